@@ -1,8 +1,8 @@
-//! The course's table of sequential, logarithmic and hierarchical search, measured cell by cell.
+//! The course's table of sequential, logarithmic and hierarchical search: its statements as printed, each beside a measurement.
 
-use motionscope_core::compare::{LIGHT, NOISE_SIGMA, kept_in_pan};
-use motionscope_core::products::PSNR;
-use motionscope_core::{AnyEstimator, BlockField, Error, Stop, estimator};
+use motionscope_core::compare::{BlockFigures, Disturbance, LIGHT, NOISE_SIGMA, disturbed, kept_in_pan};
+use motionscope_core::products::{EPE, PSNR};
+use motionscope_core::{AnyEstimator, Error, Flow, Stop, estimator, metrics};
 use serde_json::{Value, json};
 
 use crate::experiment::comparison::{ComparedEstimator, Conditions, Row, columns, markdown_table};
@@ -11,29 +11,76 @@ use crate::experiment::comparison::{ComparedEstimator, Conditions, Row, columns,
 const IDS: [&str; 3] = ["full-search", "quadrant-search", "hierarchical"];
 /// The names by which the course calls them.
 const NAMES: [&str; 3] = ["sequential", "logarithmic", "hierarchical"];
-/// Search ranges in px over which the growth of the candidates is measured.
+/// Search ranges in px over which candidates and time are compared: the default, and a large window.
 const RANGES: [&str; 2] = ["16", "32"];
 /// Side of a block in px, the default of all three.
 const BLOCK: usize = 16;
-/// The camera pan of the large-motion row in px, and the search range used for it.
+/// The camera pan of the large-motion rows in px, and the search range used for it.
 const PAN: (usize, &str) = (48, "64");
+/// The camera pan of the small-motion row in px.
+const SMALL_PAN_PX: usize = 2;
 /// Frame rate that counts as real time, in Hz.
 const REAL_TIME_HZ: f64 = 25.0;
 /// Largest share of missed minima in % that counts as very accurate.
 const HARDLY_PERCENT: f64 = 5.0;
+/// Share of blocks found, in %, from which a search counts as accurate.
+const ACCURATE_PERCENT: f64 = 90.0;
+/// Difference of two shares, in percentage points, from which they count as different.
+const DIFFERENT_POINTS: f64 = 5.0;
 /// Ratio of candidates above which a search counts as inefficient.
 const INEFFICIENT: f64 = 10.0;
+/// Growth of time from the small to the large window above which a search counts as slow for large windows.
+const EXPENSIVE: f64 = 1.5;
+
+/// A statement of the course notes as printed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Claim {
+    /// The words of the notes. In its table the notes break them over several lines.
+    pub quote: &'static str,
+    /// The line of the notes on which the statement, or its row of the table, begins.
+    pub line: usize,
+    /// Whether the measurement confirms it on this clip; `None` where nothing measured here can tell.
+    pub holds: Option<bool>,
+}
+
+/// How many of the statements of a row are confirmed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// All of them.
+    Holds,
+    /// Some, but not all.
+    InPart,
+    /// None.
+    DoesNotHold,
+    /// There is nothing to measure.
+    NotMeasured,
+}
+
+impl Verdict {
+    /// The verdict as shown.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Holds => "holds",
+            Self::InPart => "holds in part",
+            Self::DoesNotHold => "does not hold",
+            Self::NotMeasured => "not measured",
+        }
+    }
+}
 
 /// One row of the course's table.
 pub struct CourseRow {
     /// The feature that is compared, with its unit.
     pub feature: String,
-    /// The statement of the course.
-    pub said: &'static str,
+    /// The statements of the course on it.
+    pub claims: Vec<Claim>,
     /// The measured values of the three searches.
     pub measured: [String; 3],
-    /// Whether the measurement confirms the statement on this clip.
-    pub holds: bool,
+}
+
+/// A statement, and whether it is confirmed.
+fn claim(line: usize, quote: &'static str, holds: bool) -> Claim {
+    Claim { quote, line, holds: Some(holds) }
 }
 
 /// Returns the three searches with the same settings.
@@ -58,118 +105,151 @@ fn each<A, B>(all: &[A; 3], f: impl Fn(&A) -> Result<B, Error>) -> Result<[B; 3]
 /// # Errors
 /// If one of them cannot run there.
 pub fn course_table(conditions: &Conditions<'_>, stop: &Stop) -> Result<Vec<CourseRow>, Error> {
-    let rows = each(&three(&[])?, |search| {
-        stop.check()?;
-        Row::of(&ComparedEstimator { estimator: search.boxed_clone(), swept: None }, conditions)
-    })?;
-    let mut course_table = of_one_window(&rows);
-    course_table.insert(1, growth(conditions, stop)?);
-    course_table.splice(5..5, large_motion(conditions, stop)?);
-    Ok(course_table)
+    let [small, large] = RANGES.map(|range| {
+        each(&three(&[("search-range", range)])?, |search| {
+            stop.check()?;
+            Row::of(&ComparedEstimator { estimator: search.boxed_clone(), swept: None }, conditions)
+        })
+    });
+    let (small, large) = (small?, large?);
+    let mut table =
+        vec![search_space(&small), complexity(&small, &large), speed(&small), large_windows(&small, &large)];
+    table.extend(accuracy(&small));
+    table.extend(large_motion(conditions, stop)?);
+    table.push(small_motion(conditions, stop)?);
+    table.push(memory(&small));
+    table.push(real_time(&small, conditions)?);
+    for disturbance in [Disturbance::Noise, Disturbance::Light] {
+        table.push(robustness(&small, disturbance, conditions, stop)?);
+    }
+    table.push(applications());
+    Ok(table)
 }
 
-/// Returns the rows that need one run of each search.
-fn of_one_window(rows: &[Row; 3]) -> Vec<CourseRow> {
-    let all = |of: &dyn Fn(&Row) -> f64| rows.each_ref().map(of);
-    let shown = |values: [f64; 3], digits: usize| values.map(|value| format!("{value:.digits$}"));
-    // Each of them is a block search.
-    let blocks = |row: &Row| row.figures.blocks.clone();
-    let candidates = all(&|row| blocks(row).map_or(0.0, |blocks| blocks.candidates_mean));
-    let ms = all(&|row| row.time.as_secs_f64() * 1e3);
-    let missed = all(&|row| 100.0 * blocks(row).and_then(|blocks| blocks.missed_share()).unwrap_or(0.0));
+fn shown(values: [f64; 3], digits: usize) -> [String; 3] {
+    values.map(|value| format!("{value:.digits$}"))
+}
+
+fn milliseconds(rows: &[Row; 3]) -> [f64; 3] {
+    rows.each_ref().map(|row| row.time.as_secs_f64() * 1e3)
+}
+
+/// A figure of the blocks of each search; each of them is a block search.
+fn of_blocks(rows: &[Row; 3], figure: impl Fn(&BlockFigures) -> f64) -> [f64; 3] {
+    rows.each_ref().map(|row| row.figures.blocks.as_ref().map_or(0.0, &figure))
+}
+
+fn search_space(rows: &[Row; 3]) -> CourseRow {
+    let candidates = of_blocks(rows, |blocks| blocks.candidates_mean);
+    let [sequential, logarithmic, hierarchical] = candidates;
+    CourseRow {
+        feature: format!("search space: candidates per block, search range ±{} px", RANGES[0]),
+        claims: vec![
+            claim(878, "No reduction in search space.", sequential >= logarithmic.max(hierarchical)),
+            claim(
+                878,
+                "Reduces the search space logarithmically by dividing it into smaller regions.",
+                logarithmic < sequential,
+            ),
+            claim(
+                878,
+                "Reduces the search complexity by using progressively smaller search windows at higher resolutions.",
+                hierarchical < sequential,
+            ),
+        ],
+        measured: shown(candidates, 1),
+    }
+}
+
+/// The growth of the largest number of candidates per block with the search range.
+fn complexity(small: &[Row; 3], large: &[Row; 3]) -> CourseRow {
+    let [before, after] = [small, large].map(|rows| of_blocks(rows, |blocks| blocks.candidates_most.into()));
+    // A window twice as wide and high has four times the candidates; halving it takes a round more, of 8 new points at most.
+    let is_quadratic = after[0] > 3.0 * before[0];
+    let is_logarithmic = after[1] <= before[1] + 8.0;
+    CourseRow {
+        feature: format!(
+            "complexity: growth factor of the largest number of candidates from ±{} to ±{} px",
+            RANGES[0], RANGES[1]
+        ),
+        claims: vec![
+            claim(907, "High, O(N^2) for a search window of size N×N", is_quadratic),
+            claim(907, "Lower than sequential search, O(log N) for halving search space.", is_logarithmic),
+            claim(
+                907,
+                "More complex due to pyramid construction, but efficient for large images or significant motions.",
+                after[2] > after[1] && after[2] < after[0],
+            ),
+        ],
+        measured: shown([0, 1, 2].map(|i| after[i] / before[i].max(1.0)), 2),
+    }
+}
+
+fn speed(rows: &[Row; 3]) -> CourseRow {
+    let ms = milliseconds(rows);
+    CourseRow {
+        feature: format!("speed: time per frame in ms, search range ±{} px", RANGES[0]),
+        claims: vec![
+            claim(890, "Faster than sequential search due to reduced search space.", ms[1] < ms[0]),
+            claim(980, "requires more memory and computation due to the pyramid construction", ms[2] > ms[0]),
+            claim(887, "slower than logarithmic search due to multiple passes", ms[2] > ms[1]),
+        ],
+        measured: shown(ms, 2),
+    }
+}
+
+fn large_windows(small: &[Row; 3], large: &[Row; 3]) -> CourseRow {
+    let [before, after] = [small, large].map(milliseconds);
+    let is_expensive = |i: usize| after[i] > EXPENSIVE * before[i];
+    CourseRow {
+        feature: format!("large windows: time per frame in ms, search range ±{} → ±{} px", RANGES[0], RANGES[1]),
+        claims: vec![
+            claim(890, "Slow, especially for large windows.", is_expensive(0)),
+            claim(650, "Still Computationally Expensive for Large Search Windows", is_expensive(1)),
+        ],
+        measured: [0, 1, 2].map(|i| format!("{:.2} → {:.2}", before[i], after[i])),
+    }
+}
+
+/// The rows on accuracy: missed minima, the prediction, and the true motion where it is known.
+fn accuracy(rows: &[Row; 3]) -> Vec<CourseRow> {
+    let missed = of_blocks(rows, |blocks| 100.0 * blocks.missed_share().unwrap_or(0.0));
     // Without any error it is infinite.
-    let db = all(&|row| row.assessment.value(&PSNR).unwrap_or(f64::INFINITY));
-    let kilobytes = all(&|row| row.figures.memory_bytes as f64 / 1e3);
-    let percent = |share: Option<f64>| 100.0 * share.unwrap_or(0.0);
-    let [noise, light] =
-        [all(&|row| percent(row.figures.kept_in_noise)), all(&|row| percent(row.figures.kept_in_light))];
-    let rising = |values: [f64; 3]| values[0] < values[1] && values[1] <= values[2];
-    let hertz = ms.map(|ms| 1e3 / ms);
-    vec![
-        CourseRow {
-            feature: "search space: candidates per block, search range ±16 px".into(),
-            said: "sequential search tests every candidate, the other two reduce the search space",
-            holds: candidates[1] < candidates[0] && candidates[2] < candidates[0],
-            measured: shown(candidates, 1),
-        },
-        CourseRow {
-            feature: "speed: time per frame in ms".into(),
-            said: "sequential search is slow, logarithmic search fastest, hierarchical search between them",
-            holds: ms[1] < ms[2] && ms[2] < ms[0],
-            measured: shown(ms, 2),
-        },
+    let db = rows.each_ref().map(|row| row.assessment.value(&PSNR).unwrap_or(f64::INFINITY));
+    let more_accurate = |holds| {
+        vec![
+            claim(693, "reduces computational complexity while improving accuracy", holds),
+            claim(980, "It is more accurate and robust", holds),
+        ]
+    };
+    let mut all = vec![
         CourseRow {
             feature: "accuracy: blocks in % with a missed global minimum".into(),
-            said: "sequential search misses none, logarithmic search may, hierarchical search hardly does",
-            holds: missed[0] == 0.0 && missed[2] <= missed[1] && missed[2] <= HARDLY_PERCENT,
+            claims: vec![
+                claim(900, "High accuracy", missed[0] == 0.0),
+                claim(897, "Can miss the global minimum due to narrowing down search space.", missed[1] > 0.0),
+                claim(897, "Very accurate, avoids local minima", missed[2] <= HARDLY_PERCENT && missed[2] <= missed[1]),
+            ],
             measured: shown(missed, 1),
         },
         CourseRow {
             feature: "accuracy: PSNR of the prediction in dB".into(),
-            said: "sequential search predicts best",
-            holds: db[0] >= db[1] && db[0] >= db[2],
+            claims: more_accurate(db[2] > db[0]),
             measured: db.map(|db| if db.is_finite() { format!("{db:.2}") } else { "perfect".into() }),
         },
-        CourseRow {
-            feature: "memory: kB without the frames".into(),
-            said: "little for sequential and logarithmic search, more for the pyramid",
-            holds: kilobytes[2] > kilobytes[0] && kilobytes[2] > kilobytes[1],
-            measured: shown(kilobytes, 1),
-        },
-        CourseRow {
-            feature: format!(
-                "noise: blocks in % with a displacement that changes by at most 1 px under Gaussian noise of σ = {NOISE_SIGMA} gray levels"
-            ),
-            said: "sequential search is sensitive, logarithmic search less so, hierarchical search robust",
-            holds: rising(noise),
-            measured: shown(noise, 1),
-        },
-        CourseRow {
-            feature: format!(
-                "light: blocks in % with a displacement that changes by at most 1 px when I becomes {} I + {} in frame t + 1",
-                LIGHT.0, LIGHT.1
-            ),
-            said: "sequential search is sensitive, logarithmic search less so, hierarchical search robust",
-            holds: rising(light),
-            measured: shown(light, 1),
-        },
-        CourseRow {
-            feature: "real time: frames per second".into(),
-            said: "sequential search: no; logarithmic search: yes; hierarchical search: perhaps not",
-            holds: hertz[0] < REAL_TIME_HZ && hertz[1] >= REAL_TIME_HZ,
-            measured: shown(hertz, 0),
-        },
-    ]
-}
-
-/// Measures how the largest number of candidates per block grows with the search range.
-fn growth(conditions: &Conditions<'_>, stop: &Stop) -> Result<CourseRow, Error> {
-    let most = |search: &dyn AnyEstimator| {
-        stop.check()?;
-        let output = search.run(conditions.clip, conditions.frame, conditions.threads)?;
-        let vectors = output.get::<BlockField>().map(|field| field.vectors.as_slice()).unwrap_or_default();
-        Ok::<_, Error>(vectors.iter().flatten().map(|vector| vector.candidates).max().unwrap_or(0))
-    };
-    let mut counts = [[0; 2]; 3];
-    for (i, range) in RANGES.iter().enumerate() {
-        for (search, counts) in three(&[("search-range", range)])?.iter().zip(&mut counts) {
-            counts[i] = most(&**search)?;
-        }
+    ];
+    let errors = rows.each_ref().map(|row| row.assessment.value(&EPE));
+    if let [Some(sequential), Some(logarithmic), Some(hierarchical)] = errors {
+        all.push(CourseRow {
+            feature: "accuracy: mean endpoint error in px against the true motion".into(),
+            claims: more_accurate(hierarchical < sequential),
+            measured: shown([sequential, logarithmic, hierarchical], 3),
+        });
     }
-    let [sequential, logarithmic, hierarchical] = counts.map(|[before, after]| (before, after));
-    // A window twice as wide and high has four times the candidates; halving it takes a round more, of 8 new points at most.
-    let is_quadratic = sequential.1 > 3 * sequential.0;
-    let is_logarithmic = logarithmic.1 <= logarithmic.0 + 8;
-    let is_between = (logarithmic.1..=sequential.1).contains(&hierarchical.1);
-    Ok(CourseRow {
-        feature: "complexity: growth factor of the largest number of candidates from ±16 to ±32 px".into(),
-        said: "O(N²) for sequential search, O(log N) for logarithmic search, between them for the pyramid",
-        holds: is_quadratic && is_logarithmic && is_between,
-        measured: counts.map(|[before, after]| format!("{:.2}", f64::from(after) / f64::from(before.max(1)))),
-    })
+    all
 }
 
-/// Measures the share of blocks found under a long camera pan, and the candidates needed.
+/// The share of blocks found under a long camera pan, and the candidates needed.
 fn large_motion(conditions: &Conditions<'_>, stop: &Stop) -> Result<[CourseRow; 2], Error> {
     let (clip, frame) = (conditions.clip, conditions.frame);
     let (width, height) = clip.pair(frame)?[0].size();
@@ -182,39 +262,210 @@ fn large_motion(conditions: &Conditions<'_>, stop: &Stop) -> Result<[CourseRow; 
         stop.check()?;
         kept_in_pan(&**search, (clip, frame), pan_px, conditions.threads)
     })?;
-    let [(sequential, many), (logarithmic, _), (hierarchical, few)] = found;
+    let shares = found.map(|(share, _)| 100.0 * share);
+    let candidates = found.map(|(_, candidates)| candidates);
     let under = format!("under a camera pan of {pan_px} px; search range ±{} px, {levels} levels", PAN.1);
     Ok([
         CourseRow {
             feature: format!("large motion: blocks in % found {under}"),
-            said: "logarithmic search struggles, hierarchical search is excellent",
-            holds: logarithmic < 0.9 * sequential && hierarchical > 0.9 * sequential,
-            measured: found.map(|(share, _)| format!("{:.1}", 100.0 * share)),
+            claims: vec![
+                claim(631, "can handle larger motions better than sequential search", shares[1] > shares[0]),
+                claim(
+                    917,
+                    "Better than sequential search but still struggles with large motions.",
+                    shares[1] > shares[0] && shares[1] < ACCURATE_PERCENT,
+                ),
+                claim(
+                    920,
+                    "Excellent at handling large displacements by starting from coarse estimates.",
+                    shares[2] >= shares[0] - DIFFERENT_POINTS,
+                ),
+            ],
+            measured: shown(shares, 1),
         },
         CourseRow {
             feature: format!("large motion: candidates per block {under}"),
-            said: "sequential search is inefficient",
-            holds: many > INEFFICIENT * few,
-            measured: found.map(|(_, candidates)| format!("{candidates:.0}")),
+            claims: vec![claim(
+                921,
+                "Less efficient for large displacements.",
+                candidates[0] > INEFFICIENT * candidates[2],
+            )],
+            measured: shown(candidates, 0),
         },
     ])
 }
 
+/// The share of blocks found under a short camera pan, and the candidates needed.
+fn small_motion(conditions: &Conditions<'_>, stop: &Stop) -> Result<CourseRow, Error> {
+    let found = each(&three(&[])?, |search| {
+        stop.check()?;
+        kept_in_pan(&**search, (conditions.clip, conditions.frame), SMALL_PAN_PX, conditions.threads)
+    })?;
+    let [(sequential, _), (_, logarithmic), (_, hierarchical)] = found;
+    Ok(CourseRow {
+        feature: format!(
+            "small motion: blocks in % found under a camera pan of {SMALL_PAN_PX} px, and candidates per block"
+        ),
+        claims: vec![
+            claim(
+                487,
+                "When motion between consecutive frames is small, this method works well and provides accurate motion vector estimates.",
+                100.0 * sequential >= ACCURATE_PERCENT,
+            ),
+            claim(
+                805,
+                "it can be less efficient for cases where the motion between consecutive frames is small",
+                hierarchical > logarithmic,
+            ),
+        ],
+        measured: found.map(|(share, candidates)| format!("{:.1} % with {candidates:.0}", 100.0 * share)),
+    })
+}
+
+fn memory(rows: &[Row; 3]) -> CourseRow {
+    let kilobytes = rows.each_ref().map(|row| row.figures.memory_bytes as f64 / 1e3);
+    let is_low = |i: usize| kilobytes[i] < kilobytes[2];
+    CourseRow {
+        feature: "memory: kB without the frames".into(),
+        claims: vec![
+            claim(927, "Low memory usage, only requires storing the current frame and search window.", is_low(0)),
+            claim(927, "Low memory usage, works on the current frame and search window.", is_low(1)),
+            claim(
+                927,
+                "Higher memory usage due to the image pyramid and multiple resolution levels.",
+                is_low(0) && is_low(1),
+            ),
+        ],
+        measured: shown(kilobytes, 1),
+    }
+}
+
+fn real_time(rows: &[Row; 3], conditions: &Conditions<'_>) -> Result<CourseRow, Error> {
+    let hertz = milliseconds(rows).map(|ms| 1e3 / ms);
+    let (width, height) = conditions.clip.pair(conditions.frame)?[0].size();
+    Ok(CourseRow {
+        feature: format!(
+            "real time: frames per second at {width}×{height} px, search range ±{} px, {REAL_TIME_HZ:.0} wanted",
+            RANGES[0]
+        ),
+        claims: vec![
+            claim(940, "Not ideal for real-time processing due to high computational cost.", hertz[0] < REAL_TIME_HZ),
+            claim(937, "Can be suitable for real-time processing with small search windows.", hertz[1] >= REAL_TIME_HZ),
+            claim(937, "may not be real-time due to pyramid construction", hertz[2] < REAL_TIME_HZ),
+        ],
+        measured: shown(hertz, 0),
+    })
+}
+
+/// How the searches bear a disturbance: by the true motion where it is known, else by the displacements that stay.
+fn robustness(
+    rows: &[Row; 3],
+    disturbance: Disturbance,
+    conditions: &Conditions<'_>,
+    stop: &Stop,
+) -> Result<CourseRow, Error> {
+    let Conditions { clip, frame, threads, .. } = *conditions;
+    let truth = match clip.truth() {
+        Some(truth) => truth.flow(frame)?,
+        None => None,
+    };
+    let right = |flow: Option<Flow>, truth: &Flow| -> Result<f64, Error> {
+        let error = flow.map(|flow| metrics::flow_error(&flow, truth)).transpose()?.flatten();
+        Ok(error.map_or(0.0, |error| 100.0 * (1.0 - error.beyond[1])))
+    };
+    let (name, condition) = match disturbance {
+        Disturbance::Noise => ("noise", format!("Gaussian noise of σ = {NOISE_SIGMA} gray levels")),
+        Disturbance::Light => ("light", format!("a change of I to {} I + {} in frame t + 1", LIGHT.0, LIGHT.1)),
+    };
+    let (what, calm, shaken) = match truth {
+        Some(truth) => {
+            let shares = each(&three(&[])?, |search| {
+                stop.check()?;
+                let disturbed = disturbed(clip, frame, disturbance)?;
+                let calm = right(search.run(clip, frame, threads)?.flow(), &truth)?;
+                Ok([calm, right(search.run(&disturbed, 0, threads)?.flow(), &truth)?])
+            })?;
+            let what = format!("pixels in % within 1 px of the true motion, without → with {condition}");
+            (what, shares.map(|[calm, _]| calm), shares.map(|[_, shaken]| shaken))
+        }
+        None => {
+            let kept = rows.each_ref().map(|row| match disturbance {
+                Disturbance::Noise => row.figures.kept_in_noise,
+                Disturbance::Light => row.figures.kept_in_light,
+            });
+            let what = format!("blocks in % with a displacement that changes by at most 1 px under {condition}");
+            (what, [100.0; 3], kept.map(|share| 100.0 * share.unwrap_or(0.0)))
+        }
+    };
+    let has_truth = calm != [100.0; 3];
+    Ok(CourseRow {
+        feature: format!("{name}: {what}"),
+        claims: robustness_claims(calm, shaken),
+        measured: [0, 1, 2].map(|i| match has_truth {
+            true => format!("{:.1} → {:.1}", calm[i], shaken[i]),
+            false => format!("{:.1}", shaken[i]),
+        }),
+    })
+}
+
+/// The statements on robustness, by the shares in % that are right without and with the disturbance.
+fn robustness_claims(calm: [f64; 3], shaken: [f64; 3]) -> Vec<Claim> {
+    let is_sensitive = |i: usize| calm[i] - shaken[i] > DIFFERENT_POINTS;
+    vec![
+        claim(947, "Sensitive to noise and illumination changes due to exhaustive search.", is_sensitive(0)),
+        claim(
+            947,
+            "Can be more robust than sequential search, but still sensitive to large differences.",
+            shaken[1] > shaken[0] + DIFFERENT_POINTS && is_sensitive(1),
+        ),
+        claim(947, "Robust to noise and illumination changes due to the multi-resolution approach.", !is_sensitive(2)),
+    ]
+}
+
+/// Typical applications are a judgement, not a measurement.
+fn applications() -> CourseRow {
+    let said = |quote| Claim { quote, line: 957, holds: None };
+    CourseRow {
+        feature: "typical applications".into(),
+        claims: vec![
+            said("Simple motion estimation, video analysis with small motions."),
+            said("Video compression, real-time object tracking with moderate motions."),
+            said(
+                "Video compression, object tracking, optical flow estimation, 3D reconstruction in high-resolution scenarios.",
+            ),
+        ],
+        measured: ["small motions", "moderate motions", "large motions"].map(str::to_owned),
+    }
+}
+
 impl CourseRow {
-    /// Returns whether the statement holds, as shown.
-    pub fn verdict(&self) -> &'static str {
-        if self.holds { "holds" } else { "does not hold here" }
+    /// Returns how many of the statements hold.
+    pub fn verdict(&self) -> Verdict {
+        let judged: Vec<bool> = self.claims.iter().filter_map(|claim| claim.holds).collect();
+        match judged.iter().filter(|holds| **holds).count() {
+            _ if judged.is_empty() => Verdict::NotMeasured,
+            0 => Verdict::DoesNotHold,
+            all if all == judged.len() => Verdict::Holds,
+            _ => Verdict::InPart,
+        }
+    }
+}
+
+impl Claim {
+    /// The statement as printed, with its line.
+    pub fn quoted(&self) -> String {
+        format!("“{}” (line {})", self.quote, self.line)
     }
 }
 
 /// Returns the headings and cells of the table.
 fn cells(course_table: &[CourseRow]) -> Vec<Vec<String>> {
     let heading =
-        ["measured"].iter().chain(&NAMES).chain(&["the course's statement"]).map(|&name| name.to_owned()).collect();
+        ["measured"].iter().chain(&NAMES).chain(&["the course's statements"]).map(|&name| name.to_owned()).collect();
     let line = |row: &CourseRow| {
         let mut line = vec![row.feature.clone()];
         line.extend(row.measured.iter().cloned());
-        line.push(row.verdict().to_owned());
+        line.push(row.verdict().text().to_owned());
         line
     };
     std::iter::once(heading).chain(course_table.iter().map(line)).collect()
@@ -222,11 +473,11 @@ fn cells(course_table: &[CourseRow]) -> Vec<Vec<String>> {
 
 /// Returns the table as text, followed by the statements of the course that do not hold.
 pub fn text(course_table: &[CourseRow]) -> String {
-    let fails: String = course_table
-        .iter()
-        .filter(|c| !c.holds)
-        .map(|c| format!("{}. The course says: {}.\n", c.feature, c.said))
-        .collect();
+    let refuted = |row: &CourseRow| {
+        let claims = row.claims.iter().filter(|claim| claim.holds == Some(false));
+        claims.map(|claim| format!("{}. Not so: {}.\n", row.feature, claim.quoted())).collect::<String>()
+    };
+    let fails: String = course_table.iter().map(refuted).collect();
     format!("{}\n{fails}\n{}", columns(&cells(course_table)), key())
 }
 
@@ -248,22 +499,56 @@ pub fn key() -> String {
 /// Returns the table as Markdown, with the statements of the course.
 pub fn markdown(course_table: &[CourseRow]) -> String {
     let mut lines = cells(course_table);
-    for (line, said) in
-        lines.iter_mut().zip(std::iter::once("the statement").chain(course_table.iter().map(|c| c.said)))
-    {
-        line.push(said.to_owned());
+    let quotes = |row: &CourseRow| row.claims.iter().map(Claim::quoted).collect::<Vec<_>>().join("; ");
+    let statements = std::iter::once("the statements".to_owned()).chain(course_table.iter().map(quotes));
+    for (line, said) in lines.iter_mut().zip(statements) {
+        line.push(said);
     }
     markdown_table(&lines)
 }
 
 /// Returns the table as JSON: one object per row.
 pub fn json(course_table: &[CourseRow]) -> Value {
+    let claim = |claim: &Claim| json!({ "quote": claim.quote, "line": claim.line, "holds": claim.holds });
     let object = |row: &CourseRow| {
         let [sequential, logarithmic, hierarchical] = &row.measured;
         json!({
-            "feature": row.feature, "sequential": sequential, "logarithmic": logarithmic,
-            "hierarchical": hierarchical, "course": row.said, "holds": row.holds,
+            "feature": row.feature, "sequential": sequential, "logarithmic": logarithmic, "hierarchical": hierarchical,
+            "verdict": row.verdict().text(), "claims": row.claims.iter().map(claim).collect::<Vec<_>>(),
         })
     };
     course_table.iter().map(object).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn verdicts(calm: [f64; 3], shaken: [f64; 3]) -> Vec<Option<bool>> {
+        robustness_claims(calm, shaken).iter().map(|claim| claim.holds).collect()
+    }
+
+    #[test]
+    fn a_point_is_no_difference_and_half_of_the_vectors_lost_is_not_robust() {
+        let [yes, no] = [Some(true), Some(false)];
+        assert_eq!(verdicts([100.0; 3], [30.8, 31.8, 50.8]), [yes, no, no]);
+        assert_eq!(verdicts([100.0; 3], [6.0, 8.7, 11.3]), [yes, no, no]);
+        assert_eq!(verdicts([98.0, 90.0, 97.0], [60.0, 75.0, 96.0]), [yes, yes, yes]);
+        // As many are right with noise as without it, although these are few.
+        assert_eq!(verdicts([98.0, 40.0, 97.0], [96.0, 38.0, 96.0]), [no, no, yes]);
+    }
+
+    #[test]
+    fn the_verdict_counts_statements() {
+        let row = |holds: &[Option<bool>]| CourseRow {
+            feature: String::new(),
+            claims: holds.iter().map(|&holds| Claim { quote: "", line: 1, holds }).collect(),
+            measured: [const { String::new() }; 3],
+        };
+        let verdict = |holds: &[Option<bool>]| row(holds).verdict();
+        assert_eq!(verdict(&[Some(true), Some(true)]), Verdict::Holds);
+        assert_eq!(verdict(&[Some(true), Some(false), None]), Verdict::InPart);
+        assert_eq!(verdict(&[Some(false)]), Verdict::DoesNotHold);
+        assert_eq!(verdict(&[None]), Verdict::NotMeasured);
+    }
 }

@@ -16,6 +16,29 @@ pub const NOISE_SIGMA: f64 = 10.0;
 /// The change of illumination of frame t + 1 in the robustness test: gain, and offset in gray levels.
 pub const LIGHT: (f64, f64) = (1.1, 8.0);
 
+/// A change of the frames in the robustness test.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Disturbance {
+    /// Gaussian noise of [`NOISE_SIGMA`] in both frames.
+    Noise,
+    /// The change of illumination [`LIGHT`] of frame t + 1.
+    Light,
+}
+
+/// Returns frames `frame` and `frame + 1` of `clip` under a disturbance, as a clip of two gray frames.
+///
+/// # Errors
+/// If a frame cannot be read.
+pub fn disturbed(clip: &Clip, frame: usize, disturbance: Disturbance) -> Result<Clip, Error> {
+    let [current, next] = clip.pair_or_last(frame)?;
+    let noisy = |frame: &Frame, seed| Frame::gray(disturb::noise(frame.luma(), NOISE_SIGMA, seed));
+    let pair = match disturbance {
+        Disturbance::Noise => [noisy(&current, 1), noisy(&next, 2)],
+        Disturbance::Light => [Frame::gray(current.luma().clone()), Frame::gray(disturb::light(next.luma(), LIGHT))],
+    };
+    Clip::from_frames("disturbed", pair.into())
+}
+
 /// The figures that only a comparison has; the assessment of the result is part of a single run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figures {
@@ -57,20 +80,19 @@ impl Figures {
         (clip, frame): (&Clip, usize),
         threads: &Threads,
     ) -> Result<Self, Error> {
-        let [current, next] = clip.pair_or_last(frame)?;
         let has_displacements = output.displacements().is_some();
-        let kept = |pair: [Frame; 2]| -> Result<Option<f64>, Error> {
+        let kept = |disturbance| -> Result<Option<f64>, Error> {
             if !has_displacements {
                 return Ok(None);
             }
-            let disturbed = Clip::from_frames("disturbed", pair.into())?;
+            let disturbed = disturbed(clip, frame, disturbance)?;
             Ok(kept(output, &estimator.run(&disturbed, 0, threads)?, [0.0; 2]))
         };
         let blocks = |tested: Vec<_>| BlockFigures::of(estimator, &tested, (clip, frame), threads);
         Ok(Self {
             memory_bytes: extent.memory_bytes,
-            kept_in_noise: kept([noisy(&current, 1), noisy(&next, 2)])?,
-            kept_in_light: kept([Frame::gray(current.luma().clone()), lit(&next)])?,
+            kept_in_noise: kept(Disturbance::Noise)?,
+            kept_in_light: kept(Disturbance::Light)?,
             units: extent.units,
             blocks: output.tested().map(blocks).transpose()?,
         })
@@ -204,14 +226,6 @@ fn kept(a: &Output, b: &Output, shift: [f32; 2]) -> Option<f64> {
     let both = a.iter().zip(&b).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
     let same = both.filter(|(a, b)| close(*a, *b)).count();
     Some(same as f64 / a.iter().flatten().count().max(1) as f64)
-}
-
-fn noisy(frame: &Arc<Frame>, seed: u64) -> Frame {
-    Frame::gray(disturb::noise(frame.luma(), NOISE_SIGMA, seed))
-}
-
-fn lit(frame: &Arc<Frame>) -> Frame {
-    Frame::gray(disturb::light(frame.luma(), LIGHT))
 }
 
 #[cfg(test)]

@@ -8,10 +8,14 @@ use crate::base::{Error, words::grouped};
 use crate::data::{Flow, Truth};
 use crate::geometry::Grid;
 
-pub(super) const MEASURES: [Measure; 9] = [
+/// The mean endpoint error in px.
+pub const EPE: Measure =
     Measure::new("epe_px", "Mean endpoint error in px over the pixels with known true flow and an estimate.")
         .in_column("EPE px", 3)
-        .against_truth(),
+        .against_truth();
+
+pub(super) const MEASURES: [Measure; 9] = [
+    EPE,
     Measure::new("epe_median_px", "Median endpoint error in px."),
     Measure::new("epe_p95_px", "95th percentile of the endpoint error in px."),
     Measure::new("r0.5", "Share of the pixels with an endpoint error above 0.5 px, R0.5 of the Middlebury benchmark."),

@@ -2,7 +2,7 @@
 
 use eframe::egui::{Grid, Label, RichText, TextStyle, Ui};
 
-use crate::experiment::course_table::CourseRow;
+use crate::experiment::course_table::{CourseRow, Verdict};
 use crate::ui::drawing::style;
 use crate::ui::model::background::Background;
 
@@ -13,7 +13,7 @@ pub fn measured(ui: &mut Ui, course: &Background<Vec<CourseRow>>) {
         Some(Err(error)) => drop(ui.label(RichText::new(error.to_string()).color(ui.visuals().error_fg_color))),
         Some(Ok(course_table)) => {
             Grid::new("course").striped(true).spacing([16.0, 6.0]).show(ui, |ui| {
-                for heading in ["Measured", "Sequential", "Logarithmic", "Hierarchical", "Statement of the course"] {
+                for heading in ["Measured", "Sequential", "Logarithmic", "Hierarchical", "Statements of the course"] {
                     ui.label(RichText::new(heading).small().family(style::bold()));
                 }
                 ui.end_row();
@@ -38,9 +38,17 @@ fn line(ui: &mut Ui, row: &CourseRow) {
     ui.vertical(|ui| {
         // The rest of the dialog's width, which the measurements leave.
         ui.set_max_width((ui.clip_rect().max.x - ui.cursor().min.x - 12.0).clamp(12.0 * size, 24.0 * size));
-        let verdict = RichText::new(row.verdict());
-        ui.add(Label::new(if row.holds { verdict } else { verdict.family(style::bold()) }).wrap());
-        ui.add(Label::new(RichText::new(row.said).small().weak()).wrap());
+        let verdict = row.verdict();
+        let text = RichText::new(verdict.text());
+        ui.add(Label::new(if verdict == Verdict::Holds { text } else { text.family(style::bold()) }).wrap());
+        for claim in &row.claims {
+            let mark = match claim.holds {
+                Some(true) => "holds: ",
+                Some(false) => "not so: ",
+                None => "",
+            };
+            ui.add(Label::new(RichText::new(format!("{mark}{}", claim.quoted())).small().weak()).wrap());
+        }
     });
     ui.end_row();
 }
