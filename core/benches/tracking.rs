@@ -31,7 +31,7 @@ fn crowd(objects: usize, frames: usize) -> Clip {
         let turn = i as f32 * 2.4;
         let off = 0.7 * ((i * 31 + t * 17) % 7) as f32 - 2.1;
         let center = [x + 3.0 * t as f32 * turn.cos() + off, y + 3.0 * t as f32 * turn.sin() - off];
-        Detection { bounds: Bounds::around(center, [24.0, 60.0]), center, score: 0.9, blob: None }
+        Detection { bounds: Bounds::around(center, [24.0, 60.0]), center, score: 0.9, blob: None, deviation_px: None }
     };
     let all = (0..frames).map(|t| (0..objects).map(|i| detection(i, t)).collect()).collect();
     Clip::blank("crowd", (1280, 800), frames).with_detections(all)
@@ -85,7 +85,7 @@ fn throng(objects: usize, frames: usize, is_smooth: bool) -> Clip {
     };
     let detection = |i: usize, t: usize| {
         let center = [0, 1].map(|k| place(i, t)[k] + 3.0 * chance(i, 2 * t + k + 50) - 1.5);
-        Detection { bounds: Bounds::around(center, size(i)), center, score: 0.9, blob: None }
+        Detection { bounds: Bounds::around(center, size(i)), center, score: 0.9, blob: None, deviation_px: None }
     };
     let truth = (0..frames).map(|t| (0..objects).map(|i| object(i, t)).collect()).collect();
     let found = (0..frames).map(|t| (0..objects).map(|i| detection(i, t)).collect()).collect();
@@ -116,8 +116,13 @@ fn many(c: &mut Criterion) {
 
 /// Four objects that cross, and five false alarms anywhere in each frame.
 fn cluttered(frames: usize) -> Clip {
-    let detection =
-        |center: [f32; 2]| Detection { bounds: Bounds::around(center, [20.0; 2]), center, score: 0.9, blob: None };
+    let detection = |center: [f32; 2]| Detection {
+        bounds: Bounds::around(center, [20.0; 2]),
+        center,
+        score: 0.9,
+        blob: None,
+        deviation_px: None,
+    };
     let object = |i: usize, t: usize| {
         let (far, turn) = (6.0 * (t as f32 - frames as f32 / 2.0), i as f32 * 1.6 + 0.3);
         let off = [0, 1].map(|k| 4.0 * chance(i, 2 * t + k) - 2.0);

@@ -32,7 +32,7 @@ fn clip() -> Clip {
     let objects: Vec<Vec<ObjectBox>> = (0..FRAMES).map(|t| (1..25).map(|id| object(id, t)).collect()).collect();
     let found = |object: &ObjectBox| {
         let bounds = Bounds::from(object);
-        Detection { bounds, center: bounds.center(), score: 0.7, blob: None }
+        Detection { bounds, center: bounds.center(), score: 0.7, blob: None, deviation_px: None }
     };
     let detections = objects.iter().map(|objects| objects.iter().map(found).collect()).collect();
     let clip = Clip::from_frames("waves", (0..FRAMES).map(frame).collect()).expect("frames of one size");

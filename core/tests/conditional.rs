@@ -48,7 +48,7 @@ fn clip(frames: usize) -> Clip {
     };
     let detected = |object: &ObjectBox| {
         let bounds = Bounds::from(object);
-        Detection { bounds, center: bounds.center(), score: 0.9, blob: None }
+        Detection { bounds, center: bounds.center(), score: 0.9, blob: None, deviation_px: None }
     };
     let clip = Clip::from_frames("boxes", (0..frames).map(frame).collect()).expect("frames of one size");
     let truth: Vec<_> = (0..frames).map(|t| boxes(t).to_vec()).collect();

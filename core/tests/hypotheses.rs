@@ -17,7 +17,7 @@ use motionscope_core::{AnyEstimator, Bounds, Clip, Cursor, Direction, Error, Mov
 
 /// A tracker with the noise of the detections here, and with further parameters.
 fn set(id: &str, settings: &[(&str, &str)]) -> Box<dyn AnyEstimator> {
-    let noise = [("measurement-noise", "0.1"), ("process-noise", "0.02")];
+    let noise = [("measurement-noise-from", "box-height"), ("measurement-noise", "0.1"), ("process-noise", "0.02")];
     common::set(id, &[&noise[..], settings].concat())
 }
 
@@ -781,7 +781,10 @@ fn the_end_of_a_run_says_whether_tracks_were_drawn_together() {
         walk.jump(Move::End);
         walk.step(None).sentence.plain()
     };
-    let together = end("formation", &[("added-noise", "3"), ("measurement-noise", "0.6")]);
+    let together = end(
+        "formation",
+        &[("added-noise", "3"), ("measurement-noise-from", "box-height"), ("measurement-noise", "0.6")],
+    );
     assert!(together.starts_with("Coalescence: neighbouring objects were 10.00 px apart"), "{together}");
     let apart = end("crossing-stars", &[]);
     assert!(apart.starts_with("No coalescence:"), "{apart}");

@@ -20,7 +20,7 @@ fn scene(id: &str) -> Clip {
 }
 
 fn found(center: [f32; 2], size: [f32; 2], score: f32) -> Detection {
-    Detection { bounds: Bounds::around(center, size), center, score, blob: None }
+    Detection { bounds: Bounds::around(center, size), center, score, blob: None, deviation_px: None }
 }
 
 fn rows(frames: Vec<Vec<Detection>>) -> Clip {
@@ -117,7 +117,13 @@ fn a_box_stays_where_it_is_around_a_centroid() {
     for id in ["kalman-filter", "kalman-tracker"] {
         let at = |t: usize| {
             let bounds = Bounds::around([100.0 + 4.0 * t as f32, 200.0], [30.0, 60.0]);
-            Detection { bounds, center: [bounds.min[0] + 5.0, bounds.max[1] - 8.0], score: 1.0, blob: None }
+            Detection {
+                bounds,
+                center: [bounds.min[0] + 5.0, bounds.max[1] - 8.0],
+                score: 1.0,
+                blob: None,
+                deviation_px: None,
+            }
         };
         let field = run(&*set(id, &[]), &rows((0..20).map(|t| vec![at(t)]).collect()));
         let iou = field.frames[19].objects[0].bounds.iou(&at(19).bounds);
@@ -470,8 +476,13 @@ fn thrown_ball() -> (Clip, Vec<[f64; 2]>) {
 #[test]
 fn a_click_where_nothing_is_detected_begins_the_track() {
     let place = |t: usize| [60.0 + 6.0 * t as f32, 200.0 - 3.0 * t as f32];
-    let found =
-        |center: [f32; 2]| Detection { bounds: Bounds::around(center, [10.0, 10.0]), center, score: 0.9, blob: None };
+    let found = |center: [f32; 2]| Detection {
+        bounds: Bounds::around(center, [10.0, 10.0]),
+        center,
+        score: 0.9,
+        blob: None,
+        deviation_px: None,
+    };
     // Something else stands still; the object is missed in frame 3.
     let frame = |t: usize| [vec![found([400.0, 80.0])], if t == 3 { vec![] } else { vec![found(place(t))] }].concat();
     let clip = Clip::blank("missed", (640, 480), 14).with_detections((0..14).map(frame).collect());

@@ -19,7 +19,7 @@ fn run(settings: &[(&str, &str)], clip: &Clip) -> ObjectField {
 }
 
 fn found(center: [f32; 2], size: [f32; 2], score: f32) -> Detection {
-    Detection { bounds: Bounds::around(center, size), center, score, blob: None }
+    Detection { bounds: Bounds::around(center, size), center, score, blob: None, deviation_px: None }
 }
 
 fn rows(frames: Vec<Vec<Detection>>) -> Clip {

@@ -62,7 +62,7 @@ fn moving_texture(
     let objects: Vec<Vec<ObjectBox>> = (0..frames).map(|t| vec![object(1, t as f32), object(2, t as f32)]).collect();
     let detected = |object: &ObjectBox| {
         let bounds = Bounds::from(&ObjectBox { x: object.x + 0.5, y: object.y - 0.25, ..*object });
-        Detection { bounds, center: bounds.center(), score: 0.9, blob: None }
+        Detection { bounds, center: bounds.center(), score: 0.9, blob: None, deviation_px: None }
     };
     let detections = objects.iter().map(|objects| objects.iter().map(detected).collect()).collect();
     clip.with_detections(detections).with_truth(Arc::new(Objects(objects)))
@@ -274,7 +274,7 @@ fn lives() -> Clip {
         let seen = there(t).filter(|&id| object(id, t).visibility > 0.0);
         let detection = |id| {
             let bounds = Bounds::from(&object(id, t));
-            Detection { bounds, center: bounds.center(), score: 0.9, blob: None }
+            Detection { bounds, center: bounds.center(), score: 0.9, blob: None, deviation_px: None }
         };
         seen.map(detection).collect()
     };

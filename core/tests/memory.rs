@@ -224,7 +224,7 @@ fn long() -> Clip {
     let info = ClipInfo { width: 160, height: 120, frames: Some(400), ..clip().info().clone() };
     let detection = |i: usize, t: usize| {
         let center = [0, 1].map(|k| (hash(i, k, t) % 4000) as f32 / 10.0);
-        Detection { bounds: Bounds::around(center, [8.0, 12.0]), center, score: 0.9, blob: None }
+        Detection { bounds: Bounds::around(center, [8.0, 12.0]), center, score: 0.9, blob: None, deviation_px: None }
     };
     let detections = (0..400).map(|t| (0..300).map(|i| detection(i, t)).collect()).collect();
     Clip::new(info, Arc::new(Round((0..7).map(frame).collect()))).with_detections(detections)

@@ -440,7 +440,13 @@ fn clip() -> Clip {
     let mut chance = Chance::new(3);
     let found = |place: [f64; 2]| {
         let center = place.map(|c| (c + 1.5 * chance.normal()) as f32);
-        vec![Detection { bounds: Bounds::around(center, [12.0; 2]), center, score: 1.0, blob: None }]
+        vec![Detection {
+            bounds: Bounds::around(center, [12.0; 2]),
+            center,
+            score: 1.0,
+            blob: None,
+            deviation_px: None,
+        }]
     };
     let frames: Vec<_> = path().into_iter().map(found).collect();
     Clip::blank("path", (640, 480), frames.len()).with_detections(frames)

@@ -69,6 +69,7 @@ fn thrown(missing: std::ops::Range<usize>) -> (Clip, Vec<[f32; 2]>) {
         center,
         score,
         blob: None,
+        deviation_px: None,
     };
     let frame = |t: usize| {
         let jitter = [0.6, -0.4, 0.1, -0.7, 0.4][t % 5];

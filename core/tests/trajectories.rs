@@ -16,7 +16,13 @@ fn clip(objects: &[(usize, [f32; 2], [f32; 2], usize)], frames: usize) -> Clip {
     for &(begin, place, velocity, count) in objects {
         for (i, frame) in found[begin..(begin + count).min(frames)].iter_mut().enumerate() {
             let center = [0, 1].map(|axis| place[axis] + velocity[axis] * i as f32);
-            frame.push(Detection { bounds: Bounds::around(center, SIZE), center, score: 1.0, blob: None });
+            frame.push(Detection {
+                bounds: Bounds::around(center, SIZE),
+                center,
+                score: 1.0,
+                blob: None,
+                deviation_px: None,
+            });
         }
     }
     Clip::blank("objects", (320, 240), frames).with_detections(found)

@@ -111,7 +111,7 @@ mod tests {
         let bounds = Bounds { min: [-0.5, 9.5], max: [3.5, 12.0] };
         let blob =
             Blob { label: 1, area_px: 10, radii: [2.0, 1.0], angle_rad: 0.0, gray: 90.0, background_px: [0.0; 2] };
-        let found = Detection { bounds, center: bounds.center(), score: 0.5, blob: Some(blob) };
+        let found = Detection { bounds, center: bounds.center(), score: 0.5, blob: Some(blob), deviation_px: None };
         let object = |id, status| Object {
             id,
             bounds,

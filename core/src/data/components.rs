@@ -252,7 +252,7 @@ impl Sums {
             min: [self.columns[0], self.rows[0]].map(|c| c as f32 - 0.5),
             max: [self.columns[1], self.rows[1]].map(|c| c as f32 + 0.5),
         };
-        Detection { bounds, center: [x as f32, y as f32], score: 1.0, blob: Some(blob) }
+        Detection { bounds, center: [x as f32, y as f32], score: 1.0, blob: Some(blob), deviation_px: None }
     }
 }
 

@@ -13,6 +13,8 @@ pub struct Detection {
     pub score: f32,
     /// Its blob, where its pixels are known.
     pub blob: Option<Blob>,
+    /// Standard deviation of its position along each axis in px, where the source knows it.
+    pub deviation_px: Option<f32>,
 }
 
 /// The shape of a connected region.

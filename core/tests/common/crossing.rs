@@ -33,7 +33,7 @@ pub const HEIGHT: f32 = 20.0;
 /// A detection at a place.
 pub fn found(center: [f64; 2]) -> Detection {
     let center = center.map(|c| c as f32);
-    Detection { bounds: Bounds::around(center, [HEIGHT; 2]), center, score: 0.9, blob: None }
+    Detection { bounds: Bounds::around(center, [HEIGHT; 2]), center, score: 0.9, blob: None, deviation_px: None }
 }
 
 /// A clip of detections.

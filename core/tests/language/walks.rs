@@ -111,7 +111,13 @@ pub fn detected(t: usize, all: &[ObjectBox]) -> Vec<Detection> {
             None => found.push((bounds, score)),
         }
     }
-    let detection = |(bounds, score): (Bounds, f32)| Detection { bounds, center: bounds.center(), score, blob: None };
+    let detection = |(bounds, score): (Bounds, f32)| Detection {
+        bounds,
+        center: bounds.center(),
+        score,
+        blob: None,
+        deviation_px: None,
+    };
     found.into_iter().map(detection).collect()
 }
 

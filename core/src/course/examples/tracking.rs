@@ -21,7 +21,7 @@ pub(super) const EXAMPLES: &[Example] = &[
         of: &["multiple-hypothesis"],
         cause: None,
         clip: "crossing-stars",
-        settings: &[("added-noise", "8"), ("measurement-noise", "0.15")],
+        settings: &[("added-noise", "8"), ("measurement-noise-from", "box-height"), ("measurement-noise", "0.15")],
         frame: 6,
         says: "With noise of 8 px both detections may belong to either star where they cross, and the tree keeps several explanations. Four frames later \
                the leading one decides.",
@@ -51,14 +51,14 @@ pub(super) const EXAMPLES: &[Example] = &[
         of: &["joint-probabilistic"],
         cause: Some(Cause::Proximity),
         clip: "formation",
-        settings: &[("added-noise", "3"), ("measurement-noise", "0.6")],
+        settings: &[("added-noise", "3"), ("measurement-noise-from", "box-height"), ("measurement-noise", "0.6")],
         frame: 0,
         says: "Both detections lie in both gates, so each track is updated with their weighted mean, and both drift to the middle. Hypotheses assign each \
                detection to one track.",
         claim: ("idf1", Limit::AtMost(0.65)),
         instead: Some(Alternative {
             id: "multiple-hypothesis",
-            settings: &[("added-noise", "3"), ("measurement-noise", "0.6")],
+            settings: &[("added-noise", "3"), ("measurement-noise-from", "box-height"), ("measurement-noise", "0.6")],
             limit: Limit::AtLeast(0.8),
         }),
     },
@@ -124,7 +124,11 @@ pub(super) const EXAMPLES: &[Example] = &[
         of: &["trajectory-analysis"],
         cause: Some(Cause::Proximity),
         clip: "formation",
-        settings: &[("tracker.added-noise", "3"), ("tracker.measurement-noise", "0.6")],
+        settings: &[
+            ("tracker.added-noise", "3"),
+            ("tracker.measurement-noise-from", "box-height"),
+            ("tracker.measurement-noise", "0.6"),
+        ],
         frame: 0,
         says: "Noise of 3 px brings each detection into the gates of both tracks, so tracks end, change boats and begin anew. \
                Multiple hypotheses decide after some frames, by the whole path.",
@@ -134,6 +138,7 @@ pub(super) const EXAMPLES: &[Example] = &[
             settings: &[
                 ("tracker", "multiple-hypothesis"),
                 ("tracker.added-noise", "3"),
+                ("tracker.measurement-noise-from", "box-height"),
                 ("tracker.measurement-noise", "0.6"),
             ],
             limit: Limit::AtLeast(0.75),

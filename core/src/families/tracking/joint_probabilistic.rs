@@ -190,7 +190,9 @@ impl MultiTracker for JointProbabilistic {
         let weights = self.weights(clip, &validation, observer)?;
         let objects = self.update_tracks(state, (&validation, &weights), observer);
         let frame = state.run.finished(self.rules, Vec::clone(&detections), objects);
-        observer.see(|| Event::Done(Arc::clone(&frame), Box::new(state.run.conclusion(clip, &frame))));
+        observer.see(|| {
+            Event::Done(Arc::clone(&frame), Box::new(state.run.conclusion(clip, &frame, Some(&self.dynamics))))
+        });
         Ok(state.run.note(clip, self.rules, frame))
     }
 

@@ -358,7 +358,8 @@ impl MultipleHypothesis {
             observer.see(|| Event::Revised(Arc::new(revised)));
         }
         let made = self.written(state, last, Vec::clone(detections));
-        observer.see(|| Event::Done(Arc::clone(&made), Box::new(state.run.conclusion(clip, &made))));
+        observer
+            .see(|| Event::Done(Arc::clone(&made), Box::new(state.run.conclusion(clip, &made, Some(&self.dynamics)))));
         let progress = state.run.note(clip, self.rules, made);
         if self.n_scan == 0 {
             state.run.settle();

@@ -218,8 +218,14 @@ pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) 
         switches if switches > misses.max(alarms) => {
             " Identities are kept by a motion model that fits (turns need one), and through misses by a larger maximum age."
         }
-        _ if misses > alarms && conclusion.is_of_truth => {
-            " Most errors are misses. The detections are the true boxes with noise, so another detector would not help: occluded objects are missed, because coasting tracks, like tentative ones, do not count as matches."
+        _ if conclusion.is_noise_underestimated() => {
+            " The filters assume less measurement noise than the source has, so detections miss their gates: raise the measurement noise."
+        }
+        _ if misses > alarms && 2 * conclusion.hidden.unwrap_or(0) > misses => {
+            " Most errors are misses of occluded objects: coasting tracks, like tentative ones, do not count as matches."
+        }
+        _ if misses > alarms && conclusion.hidden.is_some() => {
+            " Most errors are misses of visible objects. The detections are the true boxes with noise, so the tracker loses them: compare process noise, gate and minimum number of hits."
         }
         _ if misses > alarms => {
             " Most errors are misses: lower the minimum number of hits or the score thresholds, or use another detector."

@@ -59,7 +59,7 @@ mod tests {
     #[test]
     fn a_box_stays_where_it_is_around_a_centroid() {
         let bounds = Bounds { min: [10.0, 20.0], max: [30.0, 60.0] };
-        let found = Detection { bounds, center: [14.0, 50.0], score: 1.0, blob: None };
+        let found = Detection { bounds, center: [14.0, 50.0], score: 1.0, blob: None, deviation_px: None };
         let extent = Extent::of(&found);
         assert_eq!(extent.around([14.0, 50.0]), bounds);
         let larger = Detection { bounds: Bounds { min: [10.0, 20.0], max: [38.0, 60.0] }, ..found };

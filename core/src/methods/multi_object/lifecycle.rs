@@ -146,7 +146,7 @@ mod tests {
     fn found(min: [f32; 2], size: [f32; 2], background_px: [f32; 2]) -> Detection {
         let bounds = Bounds { min, max: [min[0] + size[0], min[1] + size[1]] };
         let blob = Blob { label: 1, area_px: 9, radii: [3.0; 2], angle_rad: 0.0, gray: 90.0, background_px };
-        Detection { bounds, center: bounds.center(), score: 1.0, blob: Some(blob) }
+        Detection { bounds, center: bounds.center(), score: 1.0, blob: Some(blob), deviation_px: None }
     }
 
     fn status(all: &[Detection]) -> TrackStatus {

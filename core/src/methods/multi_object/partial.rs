@@ -104,8 +104,13 @@ mod tests {
 
     #[test]
     fn the_size_follows_slowly_and_not_at_all_while_hidden() {
-        let found =
-            |width: f32| Detection { bounds: bounds([100.0, 100.0 + width]), center: [0.0; 2], score: 1.0, blob: None };
+        let found = |width: f32| Detection {
+            bounds: bounds([100.0, 100.0 + width]),
+            center: [0.0; 2],
+            score: 1.0,
+            blob: None,
+            deviation_px: None,
+        };
         let size = WholeSize::of(&found(60.0));
         assert_eq!(size.seen(&found(120.0), false).size, [66.0, 30.0]);
         assert_eq!(size.seen(&found(30.0), false).size, [57.0, 30.0]);

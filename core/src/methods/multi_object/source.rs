@@ -170,6 +170,11 @@ impl Detector {
         matches!(self.origin, Origin::Truth)
     }
 
+    /// Returns whether it detects a true object in frame `t`; `None` where only the truth could tell and it is another source.
+    pub fn detects(&self, object: &ObjectBox) -> Option<bool> {
+        self.is_truth().then(|| is_detected(object))
+    }
+
     /// Returns whether its detections are clicks.
     pub fn is_clicked(&self) -> bool {
         matches!(self.origin, Origin::Clicks(_))
@@ -190,7 +195,8 @@ impl Detector {
         let place = center(object);
         let center = [0, 1].map(|i| (place[i] + off[i]) as f32);
         let bounds = Bounds::around(center, [object.width, object.height]);
-        Detection { bounds, center, score: object.visibility, blob: None }
+        let deviation_px = Some(self.noise.deviation_px as f32);
+        Detection { bounds, center, score: object.visibility, blob: None, deviation_px }
     }
 }
 
@@ -200,7 +206,7 @@ fn is_detected(object: &ObjectBox) -> bool {
 }
 
 fn clicked(center: [f32; 2]) -> Detection {
-    Detection { bounds: Bounds::around(center, [CLICK_PX; 2]), center, score: 1.0, blob: None }
+    Detection { bounds: Bounds::around(center, [CLICK_PX; 2]), center, score: 1.0, blob: None, deviation_px: None }
 }
 
 /// Returns the true position of object `id` in frame `t`.

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use super::dynamics::Dynamics;
 use super::lifecycle::{Rules, TrackAge};
 use super::source::{Detector, Noise, Source, SourceSettings, default_detector};
 use crate::base::Error;
@@ -12,7 +13,7 @@ use crate::params;
 use crate::params::Spots;
 use crate::products::{
     Followed, Object, ObjectField, ObjectFrame, TrackStatus,
-    objects::score::{Boxes, Matches, Scores, scores_on},
+    objects::score::{Matches, Scores, scored_boxes, scores_on},
 };
 use crate::run::{Foreground, Granularity, Progress, Span, Stage, need};
 
@@ -66,9 +67,22 @@ pub struct Conclusion {
     pub run: Option<Scores>,
     /// The frames of the run with the most misses and false alarms, at its end.
     pub worst: Vec<(usize, Matches)>,
-    /// Whether the detections are the true boxes with noise.
-    pub is_of_truth: bool,
+    /// The true boxes of the run that the source did not detect, at its end; `None` where the source is not the truth.
+    pub hidden: Option<usize>,
+    /// The standard deviations of a position in px that the filters assume and that the source has, where it is known.
+    pub deviations_px: Option<[f64; 2]>,
 }
+
+impl Conclusion {
+    /// Whether the filters assume clearly less measurement noise than the source has.
+    pub fn is_noise_underestimated(&self) -> bool {
+        self.deviations_px.is_some_and(|[assumed, known]| assumed < UNDERESTIMATED * known)
+    }
+}
+
+/// Filters that assume less than this share of the standard deviation of their measurements reject many of them: half of it makes the
+/// mean NIS of a filter at least two to four times what it should be.
+const UNDERESTIMATED: f64 = 0.7;
 
 /// The finished frames of a run, and the detector of those to come.
 #[derive(Clone)]
@@ -252,7 +266,7 @@ impl TrackerRun {
     }
 
     /// Scores a frame, and at the end of the run all of them.
-    pub fn conclusion(&self, clip: &Clip, frame: &Arc<ObjectFrame>) -> Conclusion {
+    pub fn conclusion(&self, clip: &Clip, frame: &Arc<ObjectFrame>, dynamics: Option<&Dynamics>) -> Conclusion {
         if self.detector.is_clicked() {
             return Conclusion::default();
         }
@@ -276,8 +290,17 @@ impl TrackerRun {
             tracks: Some(confirmed.collect::<BTreeSet<u32>>().len()),
             run: scores_on(clip, &field).ok().flatten(),
             worst: all.into_iter().filter(|(_, all)| most > 0 && errors(all) == most).collect(),
-            is_of_truth: self.detector.is_truth(),
+            hidden: self.hidden(clip),
+            deviations_px: dynamics.and_then(|dynamics| deviations(&field, dynamics)),
         }
+    }
+
+    /// The true boxes of all frames that the source did not detect.
+    fn hidden(&self, clip: &Clip) -> Option<usize> {
+        let truth = clip.truth().filter(|_| self.detector.is_truth())?;
+        let frames = self.span.first..=self.frame();
+        let objects = frames.filter_map(|t| truth.objects(t).ok().flatten()).flatten();
+        Some(objects.filter(|object| self.detector.detects(object) == Some(false)).count())
     }
 
     /// Returns the position of the run.
@@ -317,12 +340,21 @@ impl TrackerRun {
     }
 }
 
+/// Returns the mean standard deviations of positions that the filters assume and that the source knows.
+fn deviations(field: &ObjectField, dynamics: &Dynamics) -> Option<[f64; 2]> {
+    let known = field.frames.iter().flat_map(|frame| &frame.detections).filter_map(|detection| {
+        let height_px = f64::from(detection.bounds.size()[1]).max(1.0);
+        Some([dynamics.deviation_px(detection.deviation_px, height_px), f64::from(detection.deviation_px?)])
+    });
+    let (sum, count) = known.fold(([0.0; 2], 0.0), |([a, b], count), [x, y]| ([a + x, b + y], count + 1.0));
+    (count > 0.0).then(|| sum.map(|sum| sum / count))
+}
+
 /// Matches the confirmed tracks of a frame with the true boxes, if these are known.
 fn matches(clip: &Clip, t: usize, frame: &ObjectFrame) -> Option<Matches> {
-    let truth = clip.truth()?.objects(t).ok().flatten()?;
-    let known: Boxes = truth.iter().map(|object| (object.id, Bounds::from(object))).collect();
     let confirmed = frame.objects.iter().filter(|object| object.status == TrackStatus::Confirmed);
-    Some(Matches::of(&(known, confirmed.map(|object| (object.id, object.bounds)).collect())))
+    let confirmed = confirmed.map(|object| (object.id, object.bounds)).collect();
+    scored_boxes(&**clip.truth()?, t, confirmed).ok().flatten().as_ref().map(Matches::of)
 }
 
 #[cfg(test)]
@@ -331,7 +363,13 @@ mod tests {
 
     #[test]
     fn settled_frames_are_as_they_were_settled_after_a_rewind() {
-        let found = Detection { bounds: Bounds::around([9.0; 2], [8.0; 2]), center: [9.0; 2], score: 1.0, blob: None };
+        let found = Detection {
+            bounds: Bounds::around([9.0; 2], [8.0; 2]),
+            center: [9.0; 2],
+            score: 1.0,
+            blob: None,
+            deviation_px: None,
+        };
         let clip = Clip::blank("rows", (64, 48), 9).with_detections(vec![vec![found]; 9]);
         let (rules, settings) = (Rules { min_hits: 4, ..Rules::default() }, Settings::default());
         let mut run = TrackerRun::new(settings, &clip, 0).expect("it has detections");

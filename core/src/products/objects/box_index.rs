@@ -166,8 +166,13 @@ mod tests {
 
     #[test]
     fn the_nearest_are_left_in_their_order() {
-        let at =
-            |x: f32| Detection { bounds: Bounds::around([x, 0.0], [1.0; 2]), center: [x, 0.0], score: 1.0, blob: None };
+        let at = |x: f32| Detection {
+            bounds: Bounds::around([x, 0.0], [1.0; 2]),
+            center: [x, 0.0],
+            score: 1.0,
+            blob: None,
+            deviation_px: None,
+        };
         let all: Vec<Detection> = [5.0, -1.0, 9.0, 1.0, 0.5, -5.0].map(at).to_vec();
         let mut found: Vec<_> = (0..6).map(|index| (index, index as f64)).collect();
         assert!(nearest(&mut found, [0.0; 2], (&all, 4)));

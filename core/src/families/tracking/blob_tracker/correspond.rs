@@ -309,7 +309,7 @@ mod tests {
         let (bounds, age) =
             (bounds(x, width), TrackAge { hits: 9, missed: 0, status: TrackStatus::Confirmed, movement: None });
         let center = bounds.center().map(f64::from);
-        let found = Detection { bounds, center: bounds.center(), score: 1.0, blob: None };
+        let found = Detection { bounds, center: bounds.center(), score: 1.0, blob: None, deviation_px: None };
         let size = WholeSize::of(&found);
         let member = Member { id: 1, age, gray: None, area_px: 1.0, size, bounds, center, velocity: None };
         TrackedBlob { bounds, centers: vec![center], members: vec![member] }
@@ -317,7 +317,7 @@ mod tests {
 
     fn blob((x, width): (f32, f32)) -> Blob {
         let bounds = bounds(x, width);
-        let detection = Detection { bounds, center: bounds.center(), score: 1.0, blob: None };
+        let detection = Detection { bounds, center: bounds.center(), score: 1.0, blob: None, deviation_px: None };
         Blob::new(detection, None, 1.0)
     }
 

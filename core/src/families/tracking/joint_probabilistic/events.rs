@@ -73,12 +73,12 @@ impl Joint {
 
 impl JointProbabilistic {
     /// Returns the standard deviation of a measurement of a track in px. It is the same for all detections, so that they share one S.
-    fn deviation(&self, track: &Track) -> f64 {
-        f64::from(self.dynamics.measurement_noise) * track.extent.height_px()
+    fn deviation(&self, track: &Track, known: Option<f32>) -> f64 {
+        self.dynamics.deviation_px(known, track.extent.height_px())
     }
 
     fn measurement(&self, track: &Track, detection: &Detection) -> Measurement {
-        let place_deviation = self.deviation(track);
+        let place_deviation = self.deviation(track, detection.deviation_px);
         Measurement { place: detection.center.map(f64::from), place_deviation, velocity: None }
     }
 
@@ -92,10 +92,11 @@ impl JointProbabilistic {
         (tracks, detections): (Vec<Track>, Arc<Vec<Detection>>),
     ) -> Result<Validation, Error> {
         let limit = self.chances.limit();
+        let known = detections.first().and_then(|found| found.deviation_px);
         let places = BoxIndex::new(detections.iter().map(|found| [found.center.map(f64::from); 2]));
         let (distances, crowded) = rows_of(clip, detections.len(), tracks.iter(), |track, found| {
             let ([[xx, _], [_, yy]], [x, y]) = (track.filter.place_covariance(), track.filter.place());
-            let variance = self.deviation(track) * self.deviation(track);
+            let variance = self.deviation(track, known) * self.deviation(track, known);
             // The ellipse of the gate touches this box.
             let [right, down] = [xx, yy].map(|of_place| (limit * (of_place + variance)).sqrt() + 1e-6);
             let distance = |at: usize| track.filter.squared_distance(&self.measurement(track, &detections[at]));
@@ -118,10 +119,11 @@ impl JointProbabilistic {
         validation: &Arc<Validation>,
         observer: &mut impl Observer<Event>,
     ) -> Result<Vec<Weights>, Error> {
+        let known = validation.detections.first().and_then(|found| found.deviation_px);
         let none = |track| Weights {
             detections: Vec::new(),
             measured: Vec::new(),
-            deviation: self.deviation(track),
+            deviation: self.deviation(track, known),
             own: None,
         };
         let mut all: Vec<Weights> = validation.tracks.iter().map(none).collect();

@@ -109,7 +109,13 @@ mod tests {
     use crate::geometry::Bounds;
 
     fn blob(x: f32, y: f32) -> Detection {
-        Detection { bounds: Bounds::around([x, y], [8.0, 8.0]), center: [x, y], score: 1.0, blob: None }
+        Detection {
+            bounds: Bounds::around([x, y], [8.0, 8.0]),
+            center: [x, y],
+            score: 1.0,
+            blob: None,
+            deviation_px: None,
+        }
     }
 
     #[test]

@@ -212,7 +212,13 @@ mod tests {
                 7 => Bounds { min: [f32::NAN; 2], max: [9.0; 2] },
                 _ => Bounds::around(center, [scale * chance(3), scale * chance(4)]),
             };
-            Detection { bounds, center: if i == 11 { [1e7, -1e7] } else { center }, score: 1.0, blob: None }
+            Detection {
+                bounds,
+                center: if i == 11 { [1e7, -1e7] } else { center },
+                score: 1.0,
+                blob: None,
+                deviation_px: None,
+            }
         };
         (0..count).map(of).collect()
     }

@@ -292,7 +292,13 @@ mod tests {
 
     /// A cluster of so many tracks in 3 scans, all of them in the one hypothesis but the last, which only a second one has.
     fn cluster(count: u32) -> Cluster {
-        let found = Detection { bounds: Bounds::around([9.0; 2], [8.0; 2]), center: [9.0; 2], score: 1.0, blob: None };
+        let found = Detection {
+            bounds: Bounds::around([9.0; 2], [8.0; 2]),
+            center: [9.0; 2],
+            score: 1.0,
+            blob: None,
+            deviation_px: None,
+        };
         let (filter, age) = (Dynamics::default().begun(&found), Rules::default().begun(&found));
         let extent = Extent::of(&found);
         let track = |id| Arc::new(Track { id, filter, extent, detection: Some(id as usize), before: age, age });
