@@ -275,3 +275,43 @@ fn frames_that_stay_are_aligned_at_once() {
         found.iterations <= 2 * 3 && found.displacements_of_pixels().0.cells().iter().flatten().all(|c| c.abs() < 1e-3)
     );
 }
+
+#[test]
+fn a_pattern_that_fits_elsewhere_as_well_has_no_known_translation() {
+    // Stripes in several directions: along the edges the displacement is free, whatever the peak says.
+    for (across, period) in [([1.0, 0.0], 16.0), ([0.0, 1.0], 12.0), ([0.8, 0.6], 20.0), ([0.6, -0.8], 9.0)] {
+        let frame = |t: f64| {
+            Frame::gray(Grid::from_fn(128, 96, |x, y| {
+                let along = across[0] * (x as f64 - 3.0 * t) + across[1] * y as f64;
+                (127.5 + 80.0 * (along * std::f64::consts::TAU / period).sin()).round() as u8
+            }))
+        };
+        let clip = Clip::from_frames("stripes", vec![frame(0.0), frame(1.0)]).expect("frames of one size");
+        assert_eq!(model(&*set("phase-correlation", &[]), &clip).matrix, None, "{across:?}");
+    }
+    // A wallpaper: periodic along both axes.
+    let frame = |t: i64| {
+        Frame::gray(Grid::from_fn(128, 96, |x, y| noise((x as i64 - 3 * t).rem_euclid(16), (y as i64).rem_euclid(16))))
+    };
+    let clip = Clip::from_frames("wallpaper", vec![frame(0), frame(1)]).expect("frames of one size");
+    assert_eq!(model(&*set("phase-correlation", &[]), &clip).matrix, None, "wallpaper");
+}
+
+#[test]
+fn a_border_at_rest_does_not_pass_for_the_motion_of_the_picture() {
+    let motion = [7, -4];
+    let is_inside = |x: usize, y: usize| (20..108).contains(&x) && (14..82).contains(&y);
+    let frame = |t: i64| {
+        let level = |x: usize, y: usize| {
+            let moved = [x as i64 - motion[0] * t, y as i64 - motion[1] * t];
+            // Blurred noise, so that the border has the stronger edges.
+            let cells = (0..25).map(|i| f64::from(noise(moved[0] + i % 5, moved[1] + i / 5)));
+            if is_inside(x, y) { (110.0 + cells.sum::<f64>() / 25.0 / 2.0) as u8 } else { 0 }
+        };
+        Frame::gray(Grid::from_fn(128, 96, level))
+    };
+    let clip = Clip::from_frames("border", vec![frame(0), frame(1)]).expect("frames of one size");
+    let found = model(&*set("phase-correlation", &[("subpixel", "none")]), &clip).matrix;
+    let is_right = found.is_none_or(|found| [found[0][2], found[1][2]] == motion.map(|c| c as f64));
+    assert!(is_right, "the border at rest passes for the picture: {found:?}");
+}

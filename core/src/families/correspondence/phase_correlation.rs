@@ -1,5 +1,6 @@
 //! Phase correlation: the translation between two frames as the peak of the inverse transform of their phase difference.
 
+mod doubt;
 mod explain;
 mod spectrum;
 
@@ -16,6 +17,7 @@ use crate::products::{Model, ModelField, Output, Product, ProductKind};
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Progress, Seen};
 use crate::scene::{Case, Chart, Question, Reading, Scene, Step};
 use crate::{choices, params, pseudocode};
+use doubt::Doubt;
 use spectrum::{Direction, hann, mean};
 
 choices! {
@@ -74,6 +76,8 @@ pub struct State {
     least_sigmas: f64,
     peak: Option<(usize, usize)>,
     second: Option<(usize, usize)>,
+    /// Evidence in the pictures against the highest peak.
+    doubt: Option<Doubt>,
     /// Sub-pixel part of the displacement.
     fraction: [f64; 2],
 }
@@ -161,8 +165,13 @@ impl State {
     }
 
     /// Whether the peak is higher than those of frames that have nothing in common.
-    fn is_accepted(&self) -> bool {
+    fn is_significant(&self) -> bool {
         self.sigmas().is_some_and(|sigmas| sigmas >= self.least_sigmas)
+    }
+
+    /// Whether the peak is the translation: significant, and not contradicted by the pictures.
+    fn is_accepted(&self) -> bool {
+        self.is_significant() && self.doubt.is_none()
     }
 
     /// The translation so far, in px.
@@ -268,7 +277,8 @@ impl PhaseCorrelation {
             }
             Stage::Peak => state.peak = spectrum::peak(&whole(&state.cross), None).filter(|_| state.kept > 0),
             Stage::Second => {
-                state.second = state.peak.and_then(|peak| spectrum::peak(&whole(&state.cross), Some(peak)))
+                state.second = state.peak.and_then(|peak| spectrum::peak(&whole(&state.cross), Some(peak)));
+                state.doubt = Doubt::of(state).filter(|_| state.is_significant());
             }
             Stage::Subpixel(i) => state.fraction[i] = self.fraction(state, i),
             Stage::Result => {}
@@ -318,7 +328,7 @@ pseudocode! {
     INVERT_COLUMNS: "r ← inverse Fourier transform of R: of all columns,",
     INVERT_ROWS: "  then of all rows",
     TAKE_PEAK: "d ← place of the highest r, unknown below the noise of r; beyond half the picture it is negative",
-    COMPARE_SECOND: "compare r(d) with the second-highest peak",
+    COMPARE_SECOND: "compare r(d), and the residual at d, with the next peaks",
     REFINE_X: "d_x ← d_x + sub-pixel offset from the neighbours along x",
     REFINE_Y: "d_y ← d_y + sub-pixel offset from the neighbours along y",
     TAKE_RESULT: "every pixel moves by d",
@@ -372,6 +382,7 @@ impl Estimator for PhaseCorrelation {
             least_sigmas: 0.0,
             peak: None,
             second: None,
+            doubt: None,
             fraction: [0.0; 2],
         })
     }

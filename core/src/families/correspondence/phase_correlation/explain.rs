@@ -1,5 +1,6 @@
 //! The explanation and the drawing of phase correlation.
 
+use super::doubt::Doubt;
 use super::{Event, PhaseCorrelation, Stage, State, Subpixel, larger_side, line, spectrum};
 use crate::base::words::{fixed, grouped};
 use crate::geometry::Grid;
@@ -33,6 +34,43 @@ fn frame(i: usize) -> &'static str {
 
 fn name(i: usize) -> &'static str {
     ["G₁", "G₂"][i]
+}
+
+/// The evidence against the highest peak in words.
+fn doubted(doubt: &Doubt) -> String {
+    match *doubt {
+        Doubt::Contradicted { other, residuals: [own, least] } => format!(
+            "The pictures contradict the highest peak: displaced by it they differ by {} gray levels on average, displaced by {} by {}. \
+             A part at rest, such as a border or a caption, correlates with itself.",
+            fixed(own, 2),
+            whole(other),
+            fixed(least, 2)
+        ),
+        Doubt::Aperture { across: [x, y], period_px } => {
+            let repeats = period_px.map_or_else(String::new, |period| {
+                format!(" Across the edges the pattern repeats every {period} px, so multiples of it fit as well.")
+            });
+            format!(
+                "All gradients have the direction ({}, {}): the displacement along the edges is undetermined (aperture problem).{repeats}",
+                fixed(x, 2),
+                fixed(y, 2)
+            )
+        }
+        Doubt::Repeats { other } => format!(
+            "The pattern repeats: the displacement {} leaves as small a residual, so the peak is ambiguous.",
+            whole(other)
+        ),
+    }
+}
+
+/// The means against it.
+fn remedy(doubt: &Doubt) -> &'static str {
+    match doubt {
+        Doubt::Contradicted { .. } => " Crop the part at rest, or use global motion, which tells it apart as outliers.",
+        Doubt::Aperture { .. } | Doubt::Repeats { .. } => {
+            " No method finds more in this texture alone; a larger picture with corners or an end of the pattern would tell."
+        }
+    }
 }
 
 impl PhaseCorrelation {
@@ -133,7 +171,7 @@ impl PhaseCorrelation {
             fixed(sigmas, 1)
         );
         let needed = fixed(state.least_sigmas, 1);
-        match state.is_accepted() {
+        match state.is_significant() {
             true => format!("{against}random phases reach {needed} in 1 % of all pairs, so the peak is accepted."),
             false => format!(
                 "{against}random phases reach {needed} in 1 % of all pairs, so the peak is rejected and the displacement unknown."
@@ -155,6 +193,9 @@ impl PhaseCorrelation {
             .text("The second-highest peak is ")
             .ink(Role::Rejected, format!("r = {}", fixed(state.height_at(at), 3)))
             .text(format!(" at {}. ", whole(at)));
+        if let Some(doubt) = &state.doubt {
+            return said.text(doubted(doubt));
+        }
         match Self::ratio(state) {
             Some(ratio) if ratio < DISTINCT => said.text(format!(
                 "The highest is only {} times as high, less than {}: the peak is ambiguous, because the motion is no pure \
@@ -209,6 +250,9 @@ impl PhaseCorrelation {
                 fixed(self.min_snr.into(), 1)
             ));
         }
+        if let Some(doubt) = &state.doubt {
+            return said.text("The translation remains unknown. ").text(doubted(doubt)).text(remedy(doubt));
+        }
         if !state.is_accepted() {
             return said.text("The translation remains unknown: the peak is ").ink(Role::Rejected, "rejected").text(format!(
                 ", because {} standard deviations of r are less than {}. The frames have no translation in common that most of the picture \
@@ -227,7 +271,7 @@ impl PhaseCorrelation {
         };
         let advice = match Self::ratio(state) {
             Some(ratio) if ratio < DISTINCT && height > AGREEMENT => {
-                " The peak is high but broad, because few frequencies are kept; a smaller minimum SNR keeps more."
+                " The peak is high but broad, because few frequencies are kept: the pictures have little fine texture."
                     .to_owned()
             }
             Some(ratio) if ratio < DISTINCT => format!(
