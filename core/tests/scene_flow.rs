@@ -270,3 +270,21 @@ fn a_scene_at_rest_has_no_motion_of_its_own() {
     let beside = Grid::from_fn(40, 60, |x, y| field.moving.as_ref().unwrap().get(4 + x, 4 + y));
     assert!(beside.cells().iter().filter(|moving| **moving).count() < 30, "the wall");
 }
+
+#[test]
+fn the_end_judges_no_pixel_by_an_ego_motion_of_a_minority() {
+    let clip = street(&[]);
+    let percents = |settings: &[(&str, &str)]| {
+        let mut walk = set("scene-flow", settings).walk(&clip, 0).unwrap();
+        walk.jump(Move::To(Cursor::END));
+        let field = walk.output().get::<SceneFlowField>().unwrap().clone();
+        let told = walk.step(None).sentence.plain();
+        (field.ego.expect("a motion").is_of_majority(), told.matches(" %").count())
+    };
+    let (is_of_majority, with_share) = percents(&[("source", "truth"), ("noise", "0.5")]);
+    assert!(is_of_majority);
+    // The threshold is a tenth of the noise, so few points agree with any motion.
+    let (is_of_majority, without_share) = percents(&[("source", "truth"), ("noise", "0.5"), ("threshold", "0.05")]);
+    assert!(!is_of_majority);
+    assert!(without_share < with_share, "no share of pixels with a motion of their own");
+}

@@ -185,8 +185,10 @@ struct CameraReport {
     essential: Matrix3,
     /// The rotation matrix R, by rows.
     rotation: Matrix3,
-    /// The direction of the translation t, of length 1.
+    /// The direction of the translation t of X′ = R X + t, of length 1.
     translation: [f64; 3],
+    /// The direction of the camera's motion −Rᵀt, of length 1, in its own axes of frame t.
+    camera_direction: [f64; 3],
     /// Number of inliers in front of both cameras.
     in_front: usize,
     /// Ratio of the second to the first singular value of the essential matrix that follows from the fundamental one.
@@ -196,7 +198,8 @@ struct CameraReport {
 impl CameraReport {
     fn of(pose: &Pose) -> Self {
         let Pose { rotation, translation, in_front, singular_ratio } = *pose;
-        Self { essential: pose.essential(), rotation, translation, in_front, singular_ratio }
+        let (essential, camera_direction) = (pose.essential(), pose.camera_direction());
+        Self { essential, rotation, translation, camera_direction, in_front, singular_ratio }
     }
 }
 

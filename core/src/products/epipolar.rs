@@ -43,6 +43,11 @@ impl Pose {
         ((trace - 1.0) / 2.0).clamp(-1.0, 1.0).acos().to_degrees()
     }
 
+    /// The direction of the camera's motion, of length 1, in its own axes of frame t: its centre moves to −Rᵀt.
+    pub fn camera_direction(&self) -> [f64; 3] {
+        [0, 1, 2].map(|i| -(0..3).map(|j| self.rotation[j][i] * self.translation[j]).sum::<f64>())
+    }
+
     /// The essential matrix E = \[t\]ₓ R, by rows: x̂′ᵀ E x̂ = 0 for positions in units of the focal length from the principal point.
     pub fn essential(&self) -> Matrix3 {
         let [x, y, z] = self.translation;
@@ -101,9 +106,9 @@ impl Product for EpipolarField {
             fact("Explained by a homography", format!("{:.0} %{plane}", 100.0 * share))
         }));
         facts.extend(self.pose.iter().flat_map(|pose| {
-            let [x, y, z] = pose.translation.map(|c| fixed(c, 2));
+            let [x, y, z] = pose.camera_direction().map(|c| fixed(c, 2));
             let turned = fact("Rotation of the camera", format!("{}°", fixed(pose.angle_deg(), 2)));
-            [turned, fact("Direction of translation", format!("({x}, {y}, {z})"))]
+            [turned, fact("Direction of the camera's motion", format!("({x}, {y}, {z})"))]
         }));
         let headline = format!("{} inliers", grouped(inliers));
         Ok(Assessment { headline, ..Assessment::default() }.with(scores(&MEASURES, values), facts))

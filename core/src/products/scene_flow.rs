@@ -28,6 +28,11 @@ pub struct EgoMotion {
 }
 
 impl EgoMotion {
+    /// Whether at least half of the points agree with it. Otherwise it may be the motion of a large object.
+    pub fn is_of_majority(&self) -> bool {
+        2 * self.inliers >= self.points
+    }
+
     /// The displacement of the left camera in its own coordinates of frame t, in m.
     pub fn camera_m(&self) -> [f64; 3] {
         self.pose.inverse().translation

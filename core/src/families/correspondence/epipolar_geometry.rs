@@ -324,7 +324,7 @@ const VIEWS_DEG: [f64; 2] = [1.0, 150.0];
 
 /// The pose of the camera in words.
 fn posed(pose: &Pose) -> String {
-    let [x, y, z] = pose.translation.map(|c| words::fixed(c, 2));
+    let [x, y, z] = pose.camera_direction().map(|c| words::fixed(c, 2));
     format!(
         " The camera turned by {}° and moved along ({x}, {y}, {z}); {} of the inliers lie in front of both cameras. Ratio of the singular values of the \
          essential matrix: {}.",

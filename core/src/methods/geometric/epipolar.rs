@@ -385,6 +385,11 @@ mod tests {
         assert!(off < 1e-4, "{off}");
         let along: f64 = (0..3).map(|i| pose.translation[i] * t[i]).sum();
         assert!(along > 0.9999, "{along}");
+        // The centre of the second camera is the point that X′ = R X + t maps to its origin.
+        let center = pose.camera_direction();
+        let mapped =
+            [0, 1, 2].map(|i| (0..3).map(|j| pose.rotation[i][j] * center[j]).sum::<f64>() + pose.translation[i]);
+        assert!(mapped.iter().all(|c| c.abs() < 1e-9), "{mapped:?}");
         let essential = pose.essential();
         for m in &all {
             let (from, to) = (CAMERA.ray(m.from), CAMERA.ray(m.to));

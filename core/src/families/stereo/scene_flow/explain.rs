@@ -392,6 +392,8 @@ impl SceneFlow {
         let gate = fixed(self.gate.into(), 2);
         let said = said.text(format!("Squared Mahalanobis distance {} against a gate of {gate}: ", squared(distance)));
         let sentence = match is_beyond {
+            true if !ego.is_of_majority() => said
+                .text("the pixel does not move with the points that determine the motion of the cameras. They are less than half of all, so either may be at rest."),
             true => said.ink(Role::Result, "the pixel has a motion of its own").text("."),
             false => said
                 .text("consistent with a point at rest. A motion smaller than its uncertainty would not be detected."),
@@ -432,7 +434,13 @@ impl SceneFlow {
         let all = field.picture.luma().cells().len().max(1) as f64;
         let mut told = swapped(seen).map_or_else(String::new, |warning| format!(" The views are {warning}."));
         told += &format!(" {} of the pixels have a scene flow", percent(field.known() as f64 / all));
+        let is_doubtful = field.ego.is_some_and(|ego| !ego.is_of_majority());
         told += &match &field.moving {
+            Some(_) if is_doubtful => {
+                ". Less than half of the points agree with the motion of the cameras, so it cannot be \
+                                       told which pixels have a motion of their own."
+                    .to_owned()
+            }
             Some(moving) if moving.count() > 0 => {
                 format!("; {} have a motion of their own.", percent(moving.count() as f64 / all))
             }
