@@ -109,7 +109,7 @@ mod tests {
     fn depths_become_points() {
         let map = Disparity(Grid::from_vec(2, 1, vec![Disparity::UNKNOWN, 18.0]).unwrap());
         let calibration = Calibration::new(300.0, 0.12, [0.0; 2]).ok();
-        let field = DisparityField { map, calibration, candidates: 64 };
+        let field = DisparityField { map, calibration, candidates: 64, filled: None };
         let made = encode(&Output::of(field.clone())).unwrap();
         let (header, vertices) = parts(&made.files[0].1, 12);
         assert!(header.contains("element vertex 1\n") && vertices.len() == 1);

@@ -59,7 +59,7 @@ mod tests {
     fn each_format_writes_its_own_and_says_what_it_loses() {
         let cells = vec![300.0, 1.5, Disparity::UNKNOWN, 0.0];
         let map = Disparity(Grid::from_vec(2, 2, cells).unwrap());
-        let output = Output::of(DisparityField { map, calibration: None, candidates: 64 });
+        let output = Output::of(DisparityField { map, calibration: None, candidates: 64, filled: None });
         for (ending, start, is_reported) in [("pfm", "Pf", false), ("png", "PNG", true), ("npy", "NUMPY", false)] {
             let format = EXPORT.formats.iter().find(|format| format.ending == ending).unwrap();
             let EncodedFiles { files, lost } = (format.encode)(&output).unwrap();

@@ -3,10 +3,12 @@
 mod swapped;
 
 use super::assessment::{fact, scores};
-use super::{Assessment, Cell, FlowError, Measure, Motion, Product, ProductKind, Reference, Score, Table, metrics};
+use super::{
+    Assessment, Cell, Figure, FlowError, Measure, Motion, Product, ProductKind, Reference, Score, Table, metrics,
+};
 use crate::base::Error;
 use crate::base::words::{fixed, grouped};
-use crate::data::{Calibration, Disparity, Flow, Viewpoint};
+use crate::data::{Calibration, Disparity, Flow, Mask, Viewpoint};
 use crate::geometry::Grid;
 use crate::scene::Fact;
 
@@ -21,6 +23,8 @@ pub struct DisparityField {
     pub calibration: Option<Calibration>,
     /// Number of disparities searched, from 0 px up.
     pub candidates: usize,
+    /// The pixels whose disparity was filled in from others around them; the rest was measured.
+    pub filled: Option<Mask>,
 }
 
 /// Errors of disparities against the truth.
@@ -38,9 +42,13 @@ pub struct DisparityError {
     pub compared: usize,
     /// Number of pixels with known truth.
     pub known: usize,
+    /// Number of pixels with known truth whose partner lies beside the right view, which no method can match: x < d.
+    pub without_partner: usize,
+    /// Share of the other pixels with known truth that are wrong by more than 3 px, or have no estimate; `None` if there are none.
+    pub bad3_with_partner: Option<f64>,
 }
 
-const MEASURES: [Measure; 5] = [
+const MEASURES: [Measure; 7] = [
     Measure::new("epe_px", "Mean absolute error of the disparity in px over the pixels with known truth and an estimate.")
         .in_column("EPE px", 3)
         .against_truth(),
@@ -63,7 +71,14 @@ const MEASURES: [Measure; 5] = [
     )
     .in_column("D1 %", 1)
     .against_truth(),
-    Measure::new("disparity_coverage", "Share of the pixels that have a disparity.").in_percent("disparity coverage %", "disparity_coverage_percent"),
+    Measure::new(
+        "bad3_with_partner_percent",
+        "The same of the pixels whose partner lies inside the right view: those at the left border have none.",
+    )
+    .in_column("bad 3 % with partner", 1)
+    .against_truth(),
+    Measure::new("measured_share", "Share of the pixels that have a measured disparity; filled ones are not measured."),
+    Measure::new("disparity_coverage", "Share of the pixels that have a disparity, measured or filled.").in_percent("disparity coverage %", "disparity_coverage_percent"),
 ];
 
 /// Compares disparities with the truth; `None` if no pixel is known in both.
@@ -78,8 +93,9 @@ pub fn disparity_error(found: &Disparity, truth: &Disparity) -> Result<Option<Di
         )));
     }
     let (mut sum, mut compared, mut known) = (0.0, 0, 0);
-    let [mut bad1, mut bad3, mut d1] = [0; 3];
-    for (&found, &truth) in found.0.cells().iter().zip(truth.0.cells()) {
+    let [mut bad1, mut bad3, mut d1, mut without_partner, mut bad3_with_partner] = [0; 5];
+    let width = truth.0.width().max(1);
+    for (place, (&found, &truth)) in found.0.cells().iter().zip(truth.0.cells()).enumerate() {
         if !truth.is_finite() {
             continue;
         }
@@ -88,6 +104,12 @@ pub fn disparity_error(found: &Disparity, truth: &Disparity) -> Result<Option<Di
         known += 1;
         bad1 += usize::from(error > 1.0);
         bad3 += usize::from(error > 3.0);
+        // The right view begins at −0.5 px, the edge of its first pixel.
+        if (place % width) as f64 - truth < -0.5 {
+            without_partner += 1;
+        } else {
+            bad3_with_partner += usize::from(error > 3.0);
+        }
         d1 += usize::from(error > 3.0 && error > 0.05 * truth.abs());
         if error.is_finite() {
             sum += error;
@@ -99,7 +121,10 @@ pub fn disparity_error(found: &Disparity, truth: &Disparity) -> Result<Option<Di
     }
     let share = |count: usize| count as f64 / known as f64;
     let (bad1, bad3, d1) = (share(bad1), share(bad3), share(d1));
-    Ok(Some(DisparityError { epe_px: sum / compared as f64, bad1, bad3, d1, compared, known }))
+    let with_partner = known - without_partner;
+    let bad3_with_partner = (with_partner > 0).then(|| bad3_with_partner as f64 / with_partner as f64);
+    let epe_px = sum / compared as f64;
+    Ok(Some(DisparityError { epe_px, bad1, bad3, d1, compared, known, without_partner, bad3_with_partner }))
 }
 
 impl DisparityField {
@@ -124,8 +149,14 @@ impl DisparityField {
     fn own_facts(&self, reference: &Reference<'_>) -> Result<Vec<Fact>, Error> {
         let (known, all) = (self.map.known(), self.map.0.cells().len());
         let share = 100.0 * known as f64 / all.max(1) as f64;
+        let filled = match self.filled.as_ref().map_or(0, Mask::count) {
+            0 => String::new(),
+            filled => {
+                format!("; {:.1} % measured, the rest filled", 100.0 * (known - filled) as f64 / all.max(1) as f64)
+            }
+        };
         let mut facts =
-            vec![fact("Disparities", format!("{} of {} pixels, {share:.1} %", grouped(known), grouped(all)))];
+            vec![fact("Disparities", format!("{} of {} pixels, {share:.1} %{filled}", grouped(known), grouped(all)))];
         facts.push(match self.depth_m() {
             Ok(depths) => fact("Range of depth", depth_range(&depths)),
             Err(reason) => fact("Range of depth", format!("unknown: {reason}")),
@@ -180,11 +211,15 @@ impl Product for DisparityField {
     }
 
     fn assess(&self, reference: &Reference<'_>) -> Result<Assessment, Error> {
-        let coverage = self.map.known() as f64 / self.map.0.cells().len().max(1) as f64;
+        let (known, all) = (self.map.known(), self.map.0.cells().len().max(1) as f64);
+        let coverage = known as f64 / all;
+        let measured = (known - self.filled.as_ref().map_or(0, Mask::count)) as f64 / all;
         let unscored = |why: String, truth_error: Option<Error>| {
-            let [.., share] = &MEASURES;
-            let score = Score { measure: share, value: coverage.into() };
-            Assessment { truth_error, ..Assessment::default() }.with(vec![score], vec![fact("Disparity error", why)])
+            let [.., own, share] = &MEASURES;
+            let own = Score { measure: own, value: measured.into() };
+            let share = Score { measure: share, value: coverage.into() };
+            Assessment { truth_error, ..Assessment::default() }
+                .with(vec![own, share], vec![fact("Disparity error", why)])
         };
         let truth = reference.clip.truth().map(|truth| truth.disparity(reference.frame)).transpose();
         let compared = truth.and_then(|truth| {
@@ -202,14 +237,27 @@ impl Product for DisparityField {
             Err(error) => unscored(format!("unknown: {error}"), Some(error)),
             Ok(None) => unscored("unknown: no true disparity for this frame; open one to see errors".into(), None),
             Ok(Some((error, errors))) => {
-                let DisparityError { epe_px, bad1, bad3, d1, .. } = error;
-                let values = [epe_px, bad1, 100.0 * bad3, 100.0 * d1, coverage].map(Into::into);
-                let facts = vec![
+                let DisparityError { epe_px, bad1, bad3, d1, without_partner, bad3_with_partner, .. } = error;
+                let with_partner = bad3_with_partner.map(|share| 100.0 * share);
+                let values: [Figure; 7] = [
+                    epe_px.into(),
+                    bad1.into(),
+                    (100.0 * bad3).into(),
+                    (100.0 * d1).into(),
+                    with_partner.into(),
+                    measured.into(),
+                    coverage.into(),
+                ];
+                let mut facts = vec![
                     fact("Mean disparity error", format!("{epe_px:.3} px")),
                     fact("Wrong by more than 1, 3 px", format!("{:.1} %, {:.1} %", 100.0 * bad1, 100.0 * bad3)),
                     fact("D1", format!("{:.1} %", 100.0 * d1)),
                     fact("Compared", format!("{} of {} pixels", grouped(error.compared), grouped(error.known))),
                 ];
+                if let Some(share) = with_partner.filter(|_| without_partner > 0) {
+                    let without = format!("{share:.1} % wrong by more than 3 px");
+                    facts.push(fact("Without the left border", without));
+                }
                 let headline = format!("{:.1} % wrong by more than 3 px", 100.0 * bad3);
                 Assessment { headline, errors, ..Assessment::default() }.with(scores(&MEASURES, values), facts)
             }
@@ -236,13 +284,16 @@ mod tests {
         assert_eq!((error.compared, error.known), (6, 7));
         assert_eq!([error.bad1, error.bad3, error.d1], [5.0 / 7.0, 4.0 / 7.0, 3.0 / 7.0]);
         assert!((error.epe_px - 16.5 / 6.0).abs() < 1e-12);
+        // Partners lie inside the right view from x = 10 px on, but that of the last pixel.
+        assert_eq!((error.without_partner, error.bad3_with_partner), (6, Some(0.0)));
         assert_eq!(disparity_error(&map(&[unknown]), &map(&[3.0])).unwrap(), None);
         assert!(disparity_error(&map(&[1.0]), &map(&[1.0, 2.0])).is_err());
     }
 
     #[test]
     fn metres_are_refused_without_a_calibration() {
-        let field = DisparityField { map: map(&[18.0, f32::NAN, 0.0]), calibration: None, candidates: 64 };
+        let field =
+            DisparityField { map: map(&[18.0, f32::NAN, 0.0]), calibration: None, candidates: 64, filled: None };
         let reason = field.depth_m().unwrap_err().to_string();
         assert!(reason.contains("focal length") && reason.contains("baseline"), "{reason}");
         assert_eq!(field.table().unwrap().columns(), ["x_px", "y_px", "disparity_px"]);

@@ -333,6 +333,7 @@ impl Estimator for BlockStereo {
             map: Disparity(state.map(&[])),
             calibration,
             candidates: self.settings.disparities,
+            filled: None,
         })
     }
 

@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 use crate::base::wide::wide;
 use crate::base::{Error, Observer, Tally, Threads};
-use crate::data::{Clip, Disparity};
+use crate::data::{Clip, Disparity, Mask};
 use crate::geometry::Grid;
 use crate::methods::stereo::{Kept, Settings, Verdict, Views, Winners, accept, census, vertex};
 use crate::products::{DisparityField, Output, Product, ProductKind};
@@ -415,7 +415,13 @@ impl Estimator for SemiGlobalMatching {
             _ => state.map(),
         };
         let calibration = state.fixed.views.calibration;
-        Output::of(DisparityField { map: Disparity(map), calibration, candidates: self.settings.disparities })
+        let is_filled = |kept: &Kept| kept.verdict != Verdict::Accepted && kept.disparity.is_finite();
+        let width = state.fixed.views.size().0;
+        let filled = state.kept.iter().any(is_filled).then(|| {
+            Mask::from_fn(width, state.kept.len() / width.max(1), |x, y| is_filled(&state.kept[y * width + x]))
+        });
+        let candidates = self.settings.disparities;
+        Output::of(DisparityField { map: Disparity(map), calibration, candidates, filled })
     }
 
     /// The same rows in another order: in a single pass down the picture the costs of a row and all its paths that come from above or from

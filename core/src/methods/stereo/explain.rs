@@ -68,6 +68,13 @@ pub(crate) fn concluded(views: &Views, settings: &Settings, kept: &[Kept]) -> St
                 fixed(100.0 * error.bad3, 1),
                 fixed(error.epe_px, 2)
             );
+            if let Some(share) = error.bad3_with_partner.filter(|_| error.without_partner > 0) {
+                told += &format!(
+                    " {} pixels at the left border have no partner in the right view; without them {} % are wrong.",
+                    grouped(error.without_partner),
+                    fixed(100.0 * share, 1)
+                );
+            }
         }
     }
     if let Some(warning) = views.signs(settings.disparities).warning().filter(|_| views.is_stereo) {
