@@ -1263,7 +1263,6 @@ fn what_is_wrong_with_detections_is_reported() {
     fs::write(folder.path().join("head.txt"), "frame,id,x,y,w,h\n1,-1,10,10,20,40,0.9\n").unwrap();
     for (line, told) in [
         ("run --detections bad.txt --estimator kalman-tracker", "line 2"),
-        ("run --detections head.txt --estimator kalman-tracker", "line 1"),
         ("run --detections none.txt --estimator kalman-tracker", "none.txt"),
         ("run --estimator kalman-tracker", "required"),
         ("run det.txt --estimator full-search --frames 0..3", "--frame "),
@@ -1281,6 +1280,9 @@ fn what_is_wrong_with_detections_is_reported() {
         let error = String::from_utf8(output.stderr).unwrap();
         assert!(!output.status.success() && error.contains(told), "{line}: {error}");
     }
+    // Names of columns are no damage.
+    let named = motionscope(folder.path(), "run --detections head.txt --estimator kalman-tracker");
+    assert!(named.status.success(), "{}", String::from_utf8_lossy(&named.stderr));
     assert!(!folder.path().join("a.txt").exists());
 }
 
@@ -1400,4 +1402,152 @@ fn words_are_searched_in_all_texts() {
     let said = refusal(here, "search kalmann gain");
     assert!(said.contains("nothing has all words of kalmann gain; did you mean Kalman gain?"), "{said}");
     assert_eq!(stdout(here, "search xyzzy --json").trim(), "[]");
+}
+
+/// Rows of a MOTChallenge table: two objects in 8 frames, with `more` behind each row.
+fn two_objects(first: usize, more: &str) -> String {
+    let row = |t: usize, id: i64, x: usize| format!("{},{id},{x},22,20,30{more}\n", first + t);
+    (0..8).flat_map(|t| [row(t, 1, 75 + 5 * t), row(t, 2, 135 + 5 * t)]).collect()
+}
+
+#[test]
+fn what_a_benchmark_leaves_out_is_neither_right_nor_wrong() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let ignored: String =
+        (1..=8).map(|t| format!("{t},50,300,200,20,50,1,7,1\n{t},51,400,200,20,50,0,1,1\n")).collect();
+    fs::write(here.join("gt.txt"), two_objects(1, ",1,1,1") + &ignored).unwrap();
+    let detected = (1..=8).map(|t| format!("{t},-1,300,200,20,50,0.9\n{t},-1,400,200,20,50,0.9\n")).collect::<String>();
+    fs::write(here.join("det.txt"), two_objects(1, ",0.9").replace(",1,", ",-1,").replace(",2,", ",-1,") + &detected)
+        .unwrap();
+    let metrics = |truth: &str| {
+        json(here, &format!("run --detections det.txt --truth {truth} --estimator kalman-tracker --json"))["metrics"]
+            .clone()
+    };
+    let found = metrics("gt.txt");
+    assert_eq!(
+        (&found["mota"], &found["precision"], &found["idf1"]),
+        (&1.0.into(), &1.0.into(), &1.0.into()),
+        "{found}"
+    );
+    // Without these marks the same tracks are false alarms.
+    fs::write(here.join("plain.txt"), two_objects(1, ",1,1,1")).unwrap();
+    assert!(metrics("plain.txt")["mota"].as_f64().unwrap() < 0.5);
+    // One identity twice in a frame.
+    fs::write(here.join("twice.txt"), two_objects(1, ",1,1,1") + "1,2,9,9,20,30,1,1,1\n").unwrap();
+    let told = refusal(here, "run --detections det.txt --truth twice.txt --estimator kalman-tracker --json");
+    assert!(told.contains("lines 2 and 17") && told.contains("identity 2"), "{told}");
+    // A truth of other frames scores nothing, which is no zero.
+    fs::write(here.join("late.txt"), two_objects(1001, ",1,1,1")).unwrap();
+    let late = motionscope(here, "run --detections det.txt --truth late.txt --estimator kalman-tracker --json");
+    assert!(String::from_utf8_lossy(&late.stderr).starts_with("warning: the ground truth has no box"));
+    let late: Value = serde_json::from_slice(&late.stdout).expect("JSON");
+    assert!(late["metrics"]["mota"].is_null() && late["metrics"]["objects"].is_u64(), "{late}");
+}
+
+#[test]
+fn text_for_a_terminal_has_no_commands_to_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let escapes = "\u{1b}]52;c;aGk=\u{7}\u{9b}31m\u{202e}";
+    let text = format!(
+        "# Title{escapes}\nSummary{escapes}.\n+++\ntitle = \"One\"\nclip = \"synth:pillar\"\nestimator = \"diamond\"\n+++\nWords{escapes}.\n"
+    );
+    fs::write(here.join("odd.md"), text).unwrap();
+    for line in ["lessons odd.md", "lessons odd.md --json", "info odd.md", "run odd.md --json"] {
+        let output = motionscope(here, line);
+        for stream in [&output.stdout, &output.stderr] {
+            let text = String::from_utf8_lossy(stream);
+            let is_command = |c: char| c.is_control() && !matches!(c, '\n' | '\t') || c == '\u{202e}';
+            assert!(!text.chars().any(is_command), "{line}: {text:?}");
+        }
+    }
+}
+
+#[test]
+fn names_that_are_seen_in_the_window_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |line: &str| json(folder.path(), line)["estimator"].as_str().unwrap().to_owned();
+    let settings = "--set block=8 --json";
+    assert_eq!(run(&format!("run {SMALL} --estimator hierarchical-search {settings}")), "hierarchical");
+    assert_eq!(run(&format!("run {SMALL} --estimator Diamond-search {settings}")), "diamond");
+    assert!(stdout(folder.path(), "info Marble").contains("frames"));
+    assert!(refusal(folder.path(), "info Marbles").contains("Marbles"));
+}
+
+#[test]
+fn texts_with_a_mark_of_their_encoding_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let lesson =
+        "# Title\nWords.\n+++\ntitle = \"One\"\nclip = \"synth:pillar\"\nestimator = \"diamond\"\n+++\nWords.\n";
+    let session = "motionscope = 1\nclip = \"synth:pillar,width=64,height=48,frames=2\"\nestimator = \"diamond\"\n";
+    fs::write(here.join("a.md"), format!("\u{feff}{lesson}")).unwrap();
+    fs::write(here.join("a.motionscope"), format!("\u{feff}{session}")).unwrap();
+    fs::write(
+        here.join("det.txt"),
+        format!("\u{feff}{}", two_objects(1, ",0.9").replace(",1,", ",-1,").replace(",2,", ",-1,")),
+    )
+    .unwrap();
+    fs::write(here.join("gt.txt"), format!("\u{feff}{}", two_objects(1, ",1,1,1"))).unwrap();
+    assert!(stdout(here, "lessons a.md").contains("One"));
+    json(here, "run a.motionscope --json");
+    let found = json(here, "run --detections det.txt --truth gt.txt --estimator kalman-tracker --json");
+    assert_eq!(found["metrics"]["mota"], 1.0);
+    fs::write(here.join("wide.md"), [0xFF, 0xFE, b'#', 0]).unwrap();
+    assert!(refusal(here, "lessons wide.md").contains("UTF-16"));
+}
+
+#[test]
+fn the_run_begins_on_the_pair_whose_flow_is_known_as_in_the_window() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    stdout(here, "synth translation --out clip --set width=64 --set height=48 --set frames=5");
+    for t in [0, 1, 3] {
+        fs::remove_file(here.join(format!("clip/flow/frame_{t:04}.flo"))).unwrap();
+    }
+    let run = |more: &str| json(here, &format!("run clip --estimator full-search --json {more}"));
+    let found = run("");
+    assert_eq!(found["frame"], 2);
+    assert!(found["metrics"]["epe_px"].is_f64(), "{found}");
+    assert_eq!(run("--frame 0")["frame"], 0, "unless another one is asked for");
+}
+
+#[test]
+fn long_words_and_many_lines_are_read_in_time_or_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let begun = std::time::Instant::now();
+    let keys: String = (0..50_000).map(|i| format!("k{i} = {i}\n")).collect();
+    let session = format!("motionscope = 1\nclip = \"synth:pillar\"\nestimator = \"full-search\"\n[set]\n{keys}");
+    fs::write(here.join("keys.motionscope"), session).unwrap();
+    assert!(refusal(here, "info keys.motionscope").contains("line 5"));
+    let title = format!(
+        "# {}\n+++\ntitle = \"One\"\nclip = \"synth:pillar\"\nestimator = \"diamond\"\n+++\nWords.\n",
+        "a".repeat(20_000)
+    );
+    fs::write(here.join("title.md"), title).unwrap();
+    assert!(refusal(here, "export title.md --handout h.pdf").contains("200 letters"));
+    for line in ["glossary", "search"] {
+        assert!(refusal(here, &format!("{line} {}", "b".repeat(100_000))).contains("300"));
+    }
+    // Quadratic readers took minutes.
+    assert!(begun.elapsed().as_secs() < 20, "{:?}", begun.elapsed());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_helper_that_floods_is_not_read_without_end() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let helper = here.join("ffprobe");
+    fs::write(&helper, "#!/bin/sh\nexec yes '{'\n").unwrap();
+    fs::set_permissions(&helper, fs::Permissions::from_mode(0o755)).unwrap();
+    fs::write(here.join("clip.xyz"), b"no video at all").unwrap();
+    let path = format!("{}:/usr/bin:/bin", here.display());
+    let mut command = Command::new(env!("CARGO_BIN_EXE_motionscope"));
+    let output = command.current_dir(here).env("PATH", path).args(["info", "clip.xyz"]).output().expect("it starts");
+    assert!(!output.status.success());
+    assert_eq!(String::from_utf8_lossy(&output.stderr).lines().count(), 1);
 }

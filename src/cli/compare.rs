@@ -7,7 +7,7 @@ use motionscope_core::{AnyEstimator, Clip, Error, Stop, Threads};
 
 use super::args::CompareArgs;
 use super::outputs::{Place, check_folder, refuse_losses};
-use super::{say, task};
+use super::{remark, say, task};
 use crate::experiment::comparison::{self, Conditions, Repeats, Round, Row};
 use crate::experiment::source::Source;
 use crate::experiment::{course_table, sweeps};
@@ -47,7 +47,7 @@ pub fn compare(args: &CompareArgs) -> Result<(), Error> {
         let id = |estimator: &dyn AnyEstimator| estimator.info().id;
         let is_left_out = |own: &str| first.compared_estimators.iter().all(|other| id(&*other.estimator) != own);
         let left_out = estimators.iter().map(|estimator| id(&**estimator)).filter(|own| is_left_out(own));
-        left_out.for_each(|id| eprintln!("note: --sweep {sweep}: {id} has no such parameter and is left out"));
+        left_out.for_each(|id| remark(&format!("note: --sweep {sweep}: {id} has no such parameter and is left out")));
     }
     for Round { source, compared_estimators } in rounds {
         let clip = source.open(&given)?;
@@ -60,9 +60,12 @@ pub fn compare(args: &CompareArgs) -> Result<(), Error> {
             let status = Status::new((rows.len(), total), compared.estimator.info().name);
             let row = Row::of(compared, &conditions)?;
             drop(status);
+            if let Some(why) = &row.assessment.truth_warning {
+                remark(&format!("warning: {why}"));
+            }
             match &row.assessment.truth_error {
                 Some(error) if args.truth.is_some() => return Err(error.clone()),
-                Some(error) => eprintln!("warning: {error}"),
+                Some(error) => remark(&format!("warning: {error}")),
                 None => {}
             }
             rows.push(row);
@@ -148,7 +151,7 @@ fn inputs(args: &CompareArgs, source: &Source, clip: &Clip, given: &Open) -> Inp
 fn tell_truth(clip: &Clip) {
     let names = clip.truth().map(|truth| truth.names()).unwrap_or_default();
     if !names.is_empty() {
-        eprintln!("truth: {}", names.join(", "));
+        remark(&format!("truth: {}", names.join(", ")));
     }
 }
 

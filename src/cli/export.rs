@@ -1,5 +1,6 @@
 //! `motionscope export`: saves a range of steps as pictures or as an animation.
 
+use super::remark;
 use motionscope_core::{Error, Info};
 
 use super::args::ExportArgs;
@@ -58,8 +59,8 @@ pub fn export(args: &ExportArgs) -> Result<(), Error> {
     let to = place.1.path().display();
     // Said before the first is painted, so that a range that is too long can be given up in time.
     let tell = |count: usize| match count {
-        1 => eprintln!("1 picture is saved into {to}"),
-        count => eprintln!("{count} pictures are saved into {to}"),
+        1 => remark(&format!("1 picture is saved into {to}")),
+        count => remark(&format!("{count} pictures are saved into {to}")),
     };
     let written = steps.write(&prepared, medium, None, Some(&tell))?;
     say(&format!("{} in {to}{}", written.pictures(), written.without()))

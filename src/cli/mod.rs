@@ -71,8 +71,8 @@ fn run(args: Args) -> Result<(), Error> {
             let all = list::chosen(&estimators)?;
             say(&if json { list::json(&all) } else { list::text(&all, !estimators.is_empty()) })
         }
-        Some(Command::Glossary { term, json }) => say(&glossary(&term.join(" "), json)?),
-        Some(Command::Search { words, json }) => say(&search::found(&words.join(" "), json)?),
+        Some(Command::Glossary { term, json }) => say(&glossary(&query(&term)?, json)?),
+        Some(Command::Search { words, json }) => say(&search::found(&query(&words)?, json)?),
         Some(Command::Lessons { lesson, json }) => say(&lessons::listed(lesson.as_deref(), json)?),
         Some(Command::Info { clip, next, json, count, truth, stereo }) => {
             let clip = task::clip_name(clip, next)?;
@@ -95,6 +95,19 @@ fn window(clip: Option<OsString>) -> Result<(), Error> {
     ui::run(ui::Start { open: clip })
 }
 
+/// The words that are looked for, if they are not longer than any text in which they could be found.
+fn query(words: &[String]) -> Result<String, Error> {
+    /// The most letters of a query.
+    const MOST_LETTERS: usize = 300;
+    let query = words.join(" ");
+    match query.chars().count() {
+        count if count > MOST_LETTERS => {
+            Err(Error::new(format!("nothing has {count} letters to look for; give at most {MOST_LETTERS}")))
+        }
+        _ => Ok(query),
+    }
+}
+
 fn glossary(term: &str, json: bool) -> Result<String, Error> {
     match (term.is_empty(), json) {
         (true, true) => Ok(glossary::json()),
@@ -113,10 +126,27 @@ fn synth(name: &str, out: &Path, settings: &[String]) -> Result<(), Error> {
     say(&format!("{}: {frames} frames with ground truth in {}", clip.info().name, out.display()))
 }
 
+/// Writes a warning or a note to standard error.
+fn remark(text: &str) {
+    eprintln!("{}", printable(text));
+}
+
+/// Text for a terminal: lines and tabs stay; other control characters, which could be commands to it, and those that turn the direction
+/// of writing become `�`. Names of files and cameras and the words of lessons come from elsewhere.
+fn printable(text: &str) -> String {
+    let shown = |c: char| match c {
+        '\n' | '\t' => c,
+        '\u{202A}'..='\u{202E}' | '\u{2066}'..='\u{2069}' => char::REPLACEMENT_CHARACTER,
+        c if c.is_control() => char::REPLACEMENT_CHARACTER,
+        c => c,
+    };
+    text.replace("\r\n", "\n").chars().map(shown).collect()
+}
+
 /// Writes `text` to standard output; a closed pipe is no error.
 fn say(text: &str) -> Result<(), Error> {
     let end = if text.ends_with('\n') { "" } else { "\n" };
-    match write!(io::stdout().lock(), "{text}{end}") {
+    match write!(io::stdout().lock(), "{}{end}", printable(text)) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             Err(Error::new(format!("standard output cannot be written: {error}")))
         }

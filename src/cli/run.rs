@@ -1,5 +1,6 @@
 //! `motionscope run`: runs an estimator, prints its report and saves its results.
 
+use super::{printable, remark};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -60,12 +61,15 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
         return Err(Error::new(format!("there is no step {step}: the run ends at {}", extent.units)));
     }
     for why in clip.info().warnings.iter().filter(|why| why.starts_with("ground truth")) {
-        eprintln!("warning: {why}");
+        remark(&format!("warning: {why}"));
     }
     let assessment = detection::assess(estimator, &output, &Reference { clip, frame }, &threads)?;
+    if let Some(why) = &assessment.truth_warning {
+        remark(&format!("warning: {why}"));
+    }
     match &assessment.truth_error {
         Some(error) if experiment.given.truth.is_some() => return Err(error.clone()),
-        Some(error) => eprintln!("warning: {error}"),
+        Some(error) => remark(&format!("warning: {error}")),
         None => {}
     }
     let reverse = Reverse::new(estimator, clip, frame);
@@ -88,7 +92,7 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     let encode = |(export, path, format): &(&'static Export, &PathBuf, &results::Format)| {
         let made = (format.encode)(&output)?;
         if let Some(lost) = &made.lost {
-            eprintln!("warning: {}: {lost}", path.display());
+            remark(&format!("warning: {}: {lost}", path.display()));
         }
         Ok((*export, path.to_path_buf(), made))
     };
@@ -105,7 +109,7 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
         (true, _) => say(&to_json(&report)?),
         (false, false) => say(&report.text()),
         (false, true) => {
-            eprint!("{}", report.text());
+            eprint!("{}", printable(&report.text()));
             Ok(())
         }
     }
@@ -259,7 +263,7 @@ impl Place<'_> {
             return Err(Error::new(format!("there is no step {step}: the run ends at {}", walk.cursor())));
         }
         if let Some(step) = step.filter(|step| step.event != usize::MAX && step.event > walk.cursor().event) {
-            eprintln!("note: there is no step {step}; the last one of its unit is shown, {}", walk.cursor());
+            remark(&format!("note: there is no step {step}; the last one of its unit is shown, {}", walk.cursor()));
         }
         if let Some(view) = look.view.filter(|view| view.is_of_the_end() && !walk.at_end()) {
             let view = view.id();

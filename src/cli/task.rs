@@ -1,5 +1,6 @@
 //! The task of a run or an export: a session from a file, or one put together from flags.
 
+use super::remark;
 use std::ffi::OsString;
 use std::path::Path;
 use std::sync::Arc;
@@ -11,7 +12,7 @@ use crate::experiment::comparison;
 use crate::experiment::pixel::Chosen;
 use crate::experiment::side_by_side::SideBySide;
 use crate::experiment::source::Source;
-use crate::experiment::{Experiment, Position, Prepared};
+use crate::experiment::{Experiment, Position, Prepared, first_known_pair, is_of_pair, told_of_pair, unplaced};
 use crate::media::export::{InputKind, Inputs};
 use crate::media::{self, Given, Open};
 use crate::paint::primitive::Rect;
@@ -119,6 +120,7 @@ pub fn pixel(position: Position, picture: &PictureArgs) -> Option<Chosen> {
 /// If the clip cannot be opened, or a parameter or a frame is out of range.
 pub fn prepare(args: &TaskArgs, experiment: Experiment) -> Result<Prepared, Error> {
     let mut prepared = Prepared::open(experiment, Open::default())?;
+    begin_where_known(args, &mut prepared);
     if let Some(session) = args.clip.as_deref().map(Path::new).filter(|path| Session::is_named(path)) {
         let mut inputs = Inputs::clone(&prepared.inputs);
         inputs.add(InputKind::Session, session);
@@ -144,17 +146,37 @@ pub fn prepare(args: &TaskArgs, experiment: Experiment) -> Result<Prepared, Erro
     }
     side_by_side.check(&**estimator)?;
     warn_of_idle(&side_by_side.all(&**estimator), &args.set);
+    if let Some(spec) = unplaced(&**estimator, clip, *frame) {
+        remark(&format!(
+            "warning: no {} is placed on an object, so one in the middle of the frame is taken; give --set {}=LEFT,TOP,RIGHT,BOTTOM",
+            spec.label.to_lowercase(),
+            spec.name
+        ));
+    }
     Ok(prepared)
+}
+
+/// Begins with the first pair whose true flow is known, as the window does, unless a frame or a session is named.
+fn begin_where_known(args: &TaskArgs, prepared: &mut Prepared) {
+    let is_asked =
+        args.frame.is_some() || args.frames.is_some() || named(args).is_ok_and(|named| named.session.is_some());
+    if is_asked || !is_of_pair(&*prepared.experiment.estimator) {
+        return;
+    }
+    if let Some(frame) = first_known_pair(&prepared.clip, || true) {
+        prepared.experiment.frame = frame;
+        remark(&format!("note: {} Choose another one with --frame.", told_of_pair(frame)));
+    }
 }
 
 /// Says of each of `settings` that has no effect on `estimators` why it has none, and which parameters have another name by now.
 pub fn warn_of_idle(estimators: &[&dyn AnyEstimator], settings: &[String]) {
     for setting in settings {
         if let Some(note) = comparison::renamed(estimators, setting) {
-            eprintln!("note: --set {setting}: {note}");
+            remark(&format!("note: --set {setting}: {note}"));
         }
         if let Some(why) = comparison::why_idle(estimators, setting) {
-            eprintln!("warning: --set {setting}: {why}");
+            remark(&format!("warning: --set {setting}: {why}"));
         }
     }
 }

@@ -1,12 +1,12 @@
 //! Detections: MOTChallenge's rows, beside a clip or by themselves.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use motionscope_core::{Bounds, Clip, Detection, Error};
 
-use super::input::Node;
+use super::input::{self, Node};
 use super::names::{extension, file_name};
 use super::truth::mot;
 use super::{about, check_size};
@@ -16,12 +16,15 @@ const MARGIN_PX: f32 = 16.0;
 /// More detections in a frame are not shared out among objects in any sensible time.
 const MOST_IN_A_FRAME: usize = 5_000;
 
+/// The bytes in which the first row of a table is looked for.
+const BEGINNING_BYTES: u64 = 4096;
+
 /// Returns the detections of each frame, from frame 0 on, in the `det.txt` at `path`.
 ///
 /// # Errors
 /// A sentence that names the line if a row cannot be understood.
 pub fn read(path: &Path) -> Result<Vec<Vec<Detection>>, Error> {
-    let rows = mot::rows(path)?;
+    let rows = mot::detections(path)?;
     let last = rows.iter().map(|row| row.frame).max().unwrap_or(0);
     let mut frames = vec![Vec::new(); last + 1];
     for row in rows {
@@ -34,15 +37,21 @@ pub fn read(path: &Path) -> Result<Vec<Vec<Detection>>, Error> {
             return Err(about(path, &Error::new(why)));
         }
         let bounds = Bounds { min: row.min, max: [row.min[0] + row.size[0], row.min[1] + row.size[1]] };
-        frames[row.frame].push(Detection { bounds, center: bounds.center(), score: row.confidence, blob: None });
+        frames[row.frame].push(Detection {
+            bounds,
+            center: bounds.center(),
+            score: row.confidence,
+            blob: None,
+            deviation_px: None,
+        });
     }
     Ok(frames)
 }
 
-/// Whether the file at `path` is a table of detections by its name and its first line.
+/// Whether the file at `path` is a table of detections by its name and its first row.
 pub fn is(path: &Path) -> bool {
     let is_text = matches!(extension(path).as_str(), "txt" | "csv");
-    is_text && first_line(path).is_some_and(|line| mot::is_detection(line.trim_end()))
+    is_text && beginning(path).is_some_and(|text| mot::is_detections(&text))
 }
 
 /// The table of detections beside a clip, where MOTChallenge puts it: `det.txt` or `det/det.txt` in the folder of its pictures, or
@@ -54,19 +63,23 @@ pub fn beside(folder: &Path) -> Option<PathBuf> {
     files.find(|file| is(file))
 }
 
-/// Whether the file at `path` is a table of true objects by its name and its first line: they have identities.
+/// Whether the file at `path` is a table of true objects by its name and its first row: they have identities.
 pub fn is_truth(path: &Path) -> bool {
-    extension(path) == "txt" && first_line(path).is_some_and(|line| mot::is_object(line.trim_end()))
+    extension(path) == "txt" && beginning(path).is_some_and(|text| mot::is_objects(&text))
 }
 
-fn first_line(path: &Path) -> Option<String> {
+/// The whole lines at the beginning of the file at `path`.
+fn beginning(path: &Path) -> Option<String> {
     // Of a pipe it would be gone.
     if Node::of(path) != Ok(Node::File) {
         return None;
     }
-    let mut line = String::new();
-    BufReader::new(File::open(path).ok()?.take(4096)).read_line(&mut line).ok()?;
-    Some(line)
+    let mut bytes = Vec::new();
+    File::open(path).ok()?.take(BEGINNING_BYTES).read_to_end(&mut bytes).ok()?;
+    if bytes.len() as u64 == BEGINNING_BYTES {
+        bytes.truncate(bytes.iter().rposition(|byte| *byte == b'\n')?);
+    }
+    input::text_of(bytes).ok()
 }
 
 /// A clip of empty pictures, just large enough, with the detections at `path`.

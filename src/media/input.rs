@@ -65,20 +65,40 @@ fn special(_kind: FileType) -> Result<Node, Error> {
     Err(refused("neither a file nor a folder"))
 }
 
-/// The text in the file at `path`, or what a pipe there delivers.
+/// The text in the file at `path`, or what a pipe there delivers, without a byte-order mark.
 ///
 /// # Errors
 /// A sentence, without the path, if it cannot be read, is no text, or too large for one.
 pub(crate) fn text(path: &Path) -> Result<String, Error> {
-    Node::of(path)?;
-    let mut text = String::new();
-    let file = File::open(path).map_err(|error| cannot_read(&error))?;
-    let read = file.take(MAX_TEXT_BYTES).read_to_string(&mut text).map_err(|error| cannot_read(&error))?;
-    if read as u64 == MAX_TEXT_BYTES {
-        return Err(Error::new(format!("it is larger than {} MiB; give another file", MAX_TEXT_BYTES >> 20)));
-    }
-    Ok(text)
+    text_within(path, MAX_TEXT_BYTES)
 }
+
+/// The same of at most `most_bytes` bytes.
+///
+/// # Errors
+/// As [`text`].
+pub(crate) fn text_within(path: &Path, most_bytes: u64) -> Result<String, Error> {
+    Node::of(path)?;
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(|error| cannot_read(&error))?;
+    file.take(most_bytes).read_to_end(&mut bytes).map_err(|error| cannot_read(&error))?;
+    if bytes.len() as u64 == most_bytes {
+        return Err(Error::new(format!("it is larger than {} MiB; give another file", most_bytes >> 20)));
+    }
+    text_of(bytes)
+}
+
+/// Bytes as text. Windows puts a mark of the encoding in front, which is dropped.
+pub(crate) fn text_of(bytes: Vec<u8>) -> Result<String, Error> {
+    if bytes.starts_with(&[0xFF, 0xFE]) || bytes.starts_with(&[0xFE, 0xFF]) {
+        return Err(Error::new("it is text in UTF-16; save it as UTF-8"));
+    }
+    let text = String::from_utf8(bytes).map_err(|_| Error::new("it is not text in UTF-8"))?;
+    Ok(text.strip_prefix(MARK).map(str::to_owned).unwrap_or(text))
+}
+
+/// The byte-order mark.
+const MARK: char = '\u{FEFF}';
 
 trait Bytes: Read + Seek + Send {}
 impl<T: Read + Seek + Send> Bytes for T {}

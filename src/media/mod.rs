@@ -19,6 +19,7 @@ mod reason;
 mod sequence;
 mod stereo;
 mod stills;
+pub(crate) mod table;
 pub mod temporary;
 mod truth;
 mod unsupported;

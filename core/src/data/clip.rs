@@ -157,6 +157,14 @@ pub trait Truth: Send + Sync {
         Ok(None)
     }
 
+    /// The boxes of frame `t` that a benchmark does not score: an estimate that matches one of them is neither right nor wrong.
+    ///
+    /// # Errors
+    /// If the truth is there but cannot be read.
+    fn ignored_objects(&self, _t: usize) -> Result<Vec<ObjectBox>, Error> {
+        Ok(Vec::new())
+    }
+
     /// The pose of rigid object `id` in frame `t`, in the coordinates of the camera.
     ///
     /// # Errors

@@ -31,6 +31,8 @@ pub struct MaskErrors {
     pub false_positives: Mask,
     /// Foreground in the truth alone: false negatives.
     pub misses: Mask,
+    /// Number of pixels whose class is known.
+    pub labelled: usize,
 }
 
 impl TrueMask {
@@ -52,7 +54,9 @@ impl TrueMask {
                 class != PixelClass::Ignored && mask.get(x, y) == found && (class == PixelClass::Foreground) == is_true
             })
         };
-        Ok(MaskErrors { correct: with(true, true), false_positives: with(true, false), misses: with(false, true) })
+        let labelled = self.0.cells().iter().filter(|class| **class != PixelClass::Ignored).count();
+        let (correct, false_positives, misses) = (with(true, true), with(true, false), with(false, true));
+        Ok(MaskErrors { correct, false_positives, misses, labelled })
     }
 }
 
@@ -65,9 +69,10 @@ mod tests {
         use PixelClass::{Background, Foreground, Ignored, Shadow};
         let truth = TrueMask(Grid::from_fn(8, 1, |x, _| [Background, Shadow, Ignored, Foreground][x % 4]));
         let mask = PackedMask::new(&Mask::from_fn(8, 1, |x, _| x < 4));
-        let MaskErrors { correct, false_positives, misses } = truth.compare(&mask).unwrap();
+        let MaskErrors { correct, false_positives, misses, labelled } = truth.compare(&mask).unwrap();
         let set = |mask: &Mask| (0..8).filter(|x| mask.get(*x, 0)).collect::<Vec<_>>();
         assert_eq!([set(&correct), set(&false_positives), set(&misses)], [vec![3], vec![0, 1], vec![7]]);
+        assert_eq!(labelled, 6);
         let other = PackedMask::new(&Mask::new(7, 1));
         assert!(truth.compare(&other).unwrap_err().to_string().contains("7×1"));
     }

@@ -151,13 +151,15 @@ pub struct Assessment {
     pub errors: Option<Distribution>,
     /// The reason why ground truth cannot be read, if it cannot.
     pub truth_error: Option<Error>,
+    /// The reason why ground truth that can be read scores nothing, if it does not.
+    pub truth_warning: Option<Error>,
 }
 
 impl Assessment {
     /// Both assessments joined.
     #[must_use]
     pub fn and(mut self, other: Self) -> Self {
-        let Self { scores, facts, headline, conclusion, errors, truth_error } = other;
+        let Self { scores, facts, headline, conclusion, errors, truth_error, truth_warning } = other;
         self.scores.extend(scores);
         self.facts.extend(facts);
         if self.headline.is_empty() {
@@ -168,6 +170,7 @@ impl Assessment {
         }
         self.errors = self.errors.or(errors);
         self.truth_error = self.truth_error.or(truth_error);
+        self.truth_warning = self.truth_warning.or(truth_warning);
         self
     }
 

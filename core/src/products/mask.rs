@@ -81,9 +81,16 @@ impl Product for MaskField {
             Ok(None) => Assessment::default(),
             Ok(Some(matches)) => {
                 let values = [matches.f1(), matches.precision(), matches.recall()];
-                let [f1, precision, recall] = values.map(|share| format!("{share:.3}"));
-                let scores_fact = fact("Mask precision, recall, F₁", format!("{precision}, {recall}, {f1}"));
-                let scored = Assessment { headline: format!("mask F₁ {f1}"), ..Assessment::default() };
+                let [f1, precision, recall] = values.map(|share| Matches::text(share, 3));
+                let shares = match matches.f1() {
+                    Some(_) => format!("{precision}, {recall}, {f1}"),
+                    None => {
+                        "undefined: neither the masks nor the ground truth have foreground in labelled pixels".into()
+                    }
+                };
+                let scores_fact = fact("Mask precision, recall, F₁", shares);
+                let headline = matches.f1().map_or_else(String::new, |_| format!("mask F₁ {f1}"));
+                let scored = Assessment { headline, ..Assessment::default() };
                 scored.with(scores(&MEASURES, values.map(Figure::from)), vec![scores_fact])
             }
             Err(error) => Assessment { truth_error: Some(error), ..Assessment::default() },

@@ -38,6 +38,7 @@ pub use consistency::{Agreement, Consistency};
 pub use dense_flow::DenseField;
 pub use disparity::DisparityField;
 pub use epipolar::EpipolarField;
+pub use flow_error::EPE;
 pub use keypoints::{Descriptor, Feature, Keypoint, PointField, Status};
 pub use mask::MaskField;
 pub use matches::{Match, MatchErrors, MatchField, MatchStatus, RIGHT_WITHIN_PX};

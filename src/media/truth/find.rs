@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use motionscope_core::{Error, ObjectBox, Truth};
+use motionscope_core::{Error, Truth};
 
 use super::{Files, Objects, Subject, field, file_error, mot, region};
 use crate::media::export::is_result;
@@ -56,7 +56,7 @@ pub(crate) fn beside(subject: &Subject) -> Found {
     }
     if let Some(path) = objects {
         match tracks(&path) {
-            Ok(frames) => files.objects = Some(Objects { path, frames }),
+            Ok(tracks) => files.objects = Some(Objects { path, tracks }),
             Err(why) => _ = accept(Err(why)),
         }
     }
@@ -69,10 +69,14 @@ pub(crate) fn beside(subject: &Subject) -> Found {
 }
 
 /// The objects in a table of tracks, or of the region of one object.
-fn tracks(path: &Path) -> Result<BTreeMap<usize, Vec<ObjectBox>>, Error> {
+fn tracks(path: &Path) -> Result<mot::Tracks, Error> {
     let text = mot::text(path)?;
     let is_named = REGIONS.iter().any(|name| file_name(path).eq_ignore_ascii_case(name));
-    if is_named || region::is_region(&text) { region::of_text(path, &text) } else { mot::of_text(path, &text) }
+    if is_named || region::is_region(&text) {
+        region::of_text(path, &text).map(|objects| mot::Tracks { objects, ..mot::Tracks::default() })
+    } else {
+        mot::of_text(path, &text)
+    }
 }
 
 /// Tells of results that lie where truth is looked for.
@@ -103,7 +107,7 @@ pub(crate) fn open(path: &Path, subject: &Subject) -> Result<Arc<dyn Truth>, Err
         Node::Stream => Error::new(format!("{why}; a flow cannot come from a pipe, because it is read more than once")),
         _ => why,
     };
-    let read = |path: PathBuf| tracks(&path).map(|frames| Objects { path, frames }).map_err(about);
+    let read = |path: PathBuf| tracks(&path).map(|tracks| Objects { path, tracks }).map_err(about);
     let objects = objects.map(read).transpose()?;
     let scale = subject.scale;
     let mut files = Files {

@@ -46,7 +46,7 @@ struct Files {
 /// The true objects of each frame, and the file that they were read from.
 struct Objects {
     path: PathBuf,
-    frames: BTreeMap<usize, Vec<ObjectBox>>,
+    tracks: mot::Tracks,
 }
 
 impl Files {
@@ -111,7 +111,11 @@ impl Truth for Files {
     }
 
     fn objects(&self, t: usize) -> Result<Option<Vec<ObjectBox>>, Error> {
-        Ok(self.objects.as_ref().map(|objects| objects.frames.get(&t).cloned().unwrap_or_default()))
+        Ok(self.objects.as_ref().map(|objects| objects.tracks.objects.get(&t).cloned().unwrap_or_default()))
+    }
+
+    fn ignored_objects(&self, t: usize) -> Result<Vec<ObjectBox>, Error> {
+        Ok(self.objects.as_ref().and_then(|objects| objects.tracks.ignored.get(&t).cloned()).unwrap_or_default())
     }
 
     fn foreground(&self, t: usize) -> Result<Option<Arc<TrueMask>>, Error> {

@@ -1,15 +1,12 @@
 //! MOTChallenge's rows of objects, tracked or detected.
 
-use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::Read;
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 use motionscope_core::{Error, ObjectBox};
 
 use super::file_error;
-use crate::media::cannot_read;
-use crate::media::input::Node;
+use crate::media::{input, table};
 
 /// More than any sequence of the benchmark by a factor of ten.
 const MOST_BYTES: u64 = 256 << 20;
@@ -34,76 +31,108 @@ pub(crate) struct Row {
     pub min: [f32; 2],
     /// Width and height in px.
     pub size: [f32; 2],
-    /// How sure the detector is; in a truth 0 for what does not count.
+    /// How sure the detector is.
     pub confidence: f32,
+    /// Whether the benchmark scores it: neither marked by a confidence of 0 nor of a class that it leaves out.
+    is_scored: bool,
     /// Share that can be seen, 0 to 1.
     visibility: f32,
 }
 
 /// The objects of each frame in the text of the `gt.txt` at `path`, by identity; frames counted from 0.
 ///
-/// Rows that the benchmark does not count (confidence 0) are left out.
-///
 /// # Errors
 /// A sentence that names the line if a row cannot be understood.
-pub(super) fn of_text(path: &Path, text: &str) -> Result<BTreeMap<usize, Vec<ObjectBox>>, Error> {
+pub(super) fn of_text(path: &Path, text: &str) -> Result<Tracks, Error> {
     objects(text).map_err(|why| file_error(path, why))
 }
 
-/// All rows of the table at `path`, in its order.
+/// The boxes of a truth, by frame.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Tracks {
+    /// The objects that count.
+    pub objects: BTreeMap<usize, Vec<ObjectBox>>,
+    /// The boxes of what the benchmark does not score: a track that matches one is no false alarm.
+    pub ignored: BTreeMap<usize, Vec<ObjectBox>>,
+}
+
+/// The detections in the table at `path`, in its order.
 ///
 /// # Errors
-/// As [`of_text`].
-pub(crate) fn rows(path: &Path) -> Result<Vec<Row>, Error> {
-    parse(&text(path)?).map_err(|why| file_error(path, why))
+/// As [`of_text`]; a detection without area is damaged.
+pub(crate) fn detections(path: &Path) -> Result<Vec<Row>, Error> {
+    let checked = |row: Row| match row.is_absent() {
+        true => Err(format!("line {}: a box of {}×{} px has no area", row.line, row.size[0], row.size[1])),
+        false => Ok(row),
+    };
+    let rows = parse(&text(path)?).and_then(|rows| rows.into_iter().map(checked).collect());
+    rows.map_err(|why| file_error(path, why))
 }
 
-/// Whether a line is a MOTChallenge row of a detection, which has no identity.
-pub(crate) fn is_detection(line: &str) -> bool {
-    row(1, line).is_ok_and(|row| row.id.is_none())
+/// Whether the first row of a table is a detection of MOTChallenge, which has no identity.
+pub(crate) fn is_detections(text: &str) -> bool {
+    first(text).is_some_and(|row| row.id.is_none() && !row.is_absent())
 }
 
-/// Whether a line is a MOTChallenge row of an object with an identity.
-pub(crate) fn is_object(line: &str) -> bool {
-    row(1, line).is_ok_and(|row| row.id.is_some())
+/// Whether the first row of a table is a MOTChallenge row of an object with an identity.
+pub(crate) fn is_objects(text: &str) -> bool {
+    first(text).is_some_and(|row| row.id.is_some())
+}
+
+fn first(text: &str) -> Option<Row> {
+    let (line, cells) = table::rows(text).next()?;
+    row(line, cells).ok()
 }
 
 /// The text of a table, if it is not too large for one.
 pub(super) fn text(path: &Path) -> Result<String, Error> {
-    Node::of(path).map_err(|why| file_error(path, why))?;
-    let mut text = String::new();
-    let file = File::open(path).map_err(|e| file_error(path, cannot_read(&e)))?;
-    let read = file.take(MOST_BYTES).read_to_string(&mut text).map_err(|e| file_error(path, cannot_read(&e)))?;
-    if read as u64 == MOST_BYTES {
-        return Err(file_error(path, "it is too large for a table of tracks"));
-    }
-    Ok(text)
+    input::text_within(path, MOST_BYTES).map_err(|why| file_error(path, why))
 }
 
 fn parse(text: &str) -> Result<Vec<Row>, String> {
-    let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
-    let rows = lines.map(|(i, line)| row(i + 1, line).map_err(|why| format!("line {}: {why}", i + 1)));
-    rows.collect()
+    table::rows(text).map(|(i, line)| row(i, line).map_err(|why| format!("line {i}: {why}"))).collect()
 }
 
-fn objects(text: &str) -> Result<BTreeMap<usize, Vec<ObjectBox>>, String> {
-    let mut frames: BTreeMap<usize, Vec<ObjectBox>> = BTreeMap::new();
-    for row in parse(text)?.into_iter().filter(|row| row.confidence != 0.0) {
+/// Classes of MOTChallenge that look like persons and are not scored: person on a vehicle, static person, distractor, reflection.
+const DISTRACTORS: [f64; 4] = [2.0, 7.0, 8.0, 12.0];
+
+fn objects(text: &str) -> Result<Tracks, String> {
+    let mut tracks = Tracks::default();
+    let mut lines = HashMap::new();
+    for row in parse(text)?.into_iter().filter(|row| !row.is_absent()) {
         let Row { line, frame, id, min: [x, y], size: [width, height], visibility, .. } = row;
         let id = id.ok_or_else(|| format!("line {line}: identity -1 is a detection, not a track; give the gt.txt"))?;
-        frames.entry(frame).or_default().push(ObjectBox { id, x, y, width, height, visibility });
+        let object = ObjectBox { id, x, y, width, height, visibility };
+        if !row.is_scored {
+            tracks.ignored.entry(frame).or_default().push(object);
+            continue;
+        }
+        if let Some(before) = lines.insert((frame, id), line) {
+            return Err(format!(
+                "lines {before} and {line}: identity {id} is in frame {} twice; give each object an identity of its own",
+                frame + 1
+            ));
+        }
+        tracks.objects.entry(frame).or_default().push(object);
     }
-    if frames.is_empty() {
+    if tracks.objects.is_empty() {
         return Err("it holds no objects; rows are frame, id, left, top, width, height, confidence …".into());
     }
-    for objects in frames.values_mut() {
+    for objects in tracks.objects.values_mut() {
         objects.sort_by_key(|object| object.id);
     }
-    Ok(frames)
+    Ok(tracks)
+}
+
+impl Row {
+    /// Whether the object is not in the frame: a box without area, or of no numbers.
+    fn is_absent(&self) -> bool {
+        self.min.iter().any(|edge| edge.is_nan()) || self.size.iter().any(|side| side.is_nan() || *side <= 0.0)
+    }
 }
 
 fn row(line: usize, text: &str) -> Result<Row, String> {
-    let cells = text.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
+    let cells = table::cells(text).into_iter().map(table::number).collect::<Result<Vec<_>, _>>()?;
     let &[frame, id, left, top, width, height, ref rest @ ..] = cells.as_slice() else {
         return Err(format!(
             "{} values where at least 6 are needed (frame, id, left, top, width, height)",
@@ -115,9 +144,6 @@ fn row(line: usize, text: &str) -> Result<Row, String> {
         return Err(format!("frame {frame} is beyond {MOST_FRAMES}, the last that can be shown"));
     }
     let id = if id == -1.0 { None } else { Some(whole("identity", id, 0.0)?) };
-    if width <= 0.0 || height <= 0.0 {
-        return Err(format!("a box of {width}×{height} px has no area"));
-    }
     let far = [left, top, width, height].into_iter().find(|side| side.abs() > FARTHEST_PX);
     if let Some(far) = far {
         return Err(format!("{far} px is more than {FARTHEST_PX} px, the most that a box may have"));
@@ -130,16 +156,10 @@ fn row(line: usize, text: &str) -> Result<Row, String> {
     }
     let min = [left, top].map(|edge| (edge - FIRST_PX) as f32);
     let size = [width, height].map(|side| side as f32);
-    // Less than a float can tell apart is nothing.
-    if size.iter().any(|side| *side <= 0.0) {
-        return Err(format!("a box of {width}×{height} px has no area"));
-    }
-    Ok(Row { line, frame: frame as usize - 1, id, min, size, confidence, visibility })
-}
-
-fn number(cell: &str) -> Result<f64, String> {
-    let cell = cell.trim();
-    cell.parse().ok().filter(|v: &f64| v.is_finite()).ok_or_else(|| format!("“{cell}” is not a number"))
+    // The class stands between confidence and visibility in the nine columns of a truth.
+    let is_distractor = matches!(rest, &[_, class, _] if DISTRACTORS.contains(&class));
+    let is_scored = confidence != 0.0 && !is_distractor;
+    Ok(Row { line, frame: frame as usize - 1, id, min, size, confidence, is_scored, visibility })
 }
 
 fn whole(what: &str, value: f64, least: f64) -> Result<u32, String> {
@@ -161,7 +181,8 @@ mod tests {
     fn both_generations_are_read() {
         let frames =
             objects("1,2,399,182,121,229,1,-1,-1,-1\n1,1,1,1,4,4,1\n\n2,1,2,1,4,4,1,1,0.25\n2,9,1,1,1,1,0,1,1\n");
-        let frames = frames.unwrap();
+        let Tracks { objects: frames, ignored } = frames.unwrap();
+        assert_eq!(ignored[&1].len(), 1);
         let ids = |t| frames[&t].iter().map(|o: &ObjectBox| o.id).collect::<Vec<_>>();
         assert_eq!((ids(0), ids(1)), (vec![1, 2], vec![1]));
         let object = ObjectBox { id: 1, x: 0.5, y: -0.5, width: 4.0, height: 4.0, visibility: 0.25 };
@@ -178,20 +199,35 @@ mod tests {
             ("1.5,1,1,1,4,4", "frame 1.5"),
             ("1,-1,1,1,4,4,0.9", "give the gt.txt"),
             ("1,1,a,1,4,4", "“a”"),
-            ("1,1,nan,1,4,4", "“nan”"),
-            ("1,1,1,1,0,4", "no area"),
             ("99999999999,1,1,1,4,4", "whole number"),
             ("2000000,1,1,1,4,4", "beyond 1000000"),
             ("1,1,-1e300,1,4,4", "more than 1000000 px"),
             ("1,1,1,1,1e300,4", "more than 1000000 px"),
-            ("1,1,1,1,4,1e-300", "no area"),
             ("1,1,1,1,4,4,1e300", "confidence"),
         ] {
             assert!(message(row).starts_with("line 2: ") && message(row).contains(why), "{row}: {}", message(row));
         }
         let message = objects("1,1,1,1,4,4\n\n\n1,1,9,1,4,4,0\n1,-1,1,1,4,4\n").unwrap_err();
+        let twice = objects("1,1,1,1,4,4\n1,2,1,1,4,4\n2,1,1,1,4,4\n1,1,9,1,4,4\n").unwrap_err();
+        assert!(twice.starts_with("lines 1 and 4: identity 1 is in frame 1"), "{twice}");
         assert!(message.starts_with("line 5: identity"), "blank lines and those left out count: {message}");
         assert!(objects("").is_err());
+    }
+
+    #[test]
+    fn what_the_benchmark_leaves_out_is_ignored() {
+        let rows = "1,1,1,1,4,4,1,1,1\n1,2,9,1,4,4,1,7,1\n1,3,19,1,4,4,0,1,1\n1,4,29,1,4,4,1,3,1\n";
+        let Tracks { objects, ignored } = objects(rows).unwrap();
+        let ids = |boxes: &[ObjectBox]| boxes.iter().map(|object| object.id).collect::<Vec<_>>();
+        assert_eq!((ids(&objects[&0]), ids(&ignored[&0])), (vec![1, 4], vec![2, 3]));
+    }
+
+    #[test]
+    fn an_absent_object_is_not_in_the_frame() {
+        for absent in ["2,1,1,1,-1,-1", "2,1,1,1,0,0", "2,1,nan,nan,nan,nan", "2,1,1,1,4,1e-300"] {
+            let objects = objects(&format!("1,1,1,1,4,4\n{absent}\n3,1,1,1,4,4\n")).unwrap().objects;
+            assert_eq!(objects.into_keys().collect::<Vec<_>>(), [0, 2], "{absent}");
+        }
     }
 
     proptest! {
@@ -208,7 +244,7 @@ mod tests {
             };
             let mut frames = vec![vec![]; t];
             frames.push(vec![object]);
-            prop_assert_eq!(objects(&export::mot(&frames)).unwrap(), BTreeMap::from([(t, vec![object])]));
+            prop_assert_eq!(objects(&export::mot(&frames)).unwrap().objects, BTreeMap::from([(t, vec![object])]));
         }
 
         #[test]
@@ -219,6 +255,7 @@ mod tests {
                 Err(message) => prop_assert!(message.starts_with("line 1: "), "{}", message),
                 Ok(rows) => for row in rows {
                     let numbers = [row.min, row.size].concat();
+                    if row.is_absent() { continue }
                     prop_assert!(numbers.iter().all(|v| v.is_finite()) && row.confidence.is_finite(), "{:?}", row);
                     let ends = [0, 1].map(|i| row.min[i] + row.size[i] - row.min[i]);
                     prop_assert!(ends.iter().all(|v| v.is_finite()) && row.size.iter().all(|v| *v > 0.0), "{:?}", row);

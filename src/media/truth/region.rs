@@ -6,6 +6,7 @@ use std::path::Path;
 use motionscope_core::{Error, ObjectBox};
 
 use super::file_error;
+use crate::media::table;
 
 /// Largest coordinate and size of a box in px; larger values are errors.
 const FARTHEST_PX: f64 = 1e6;
@@ -15,8 +16,8 @@ const FIRST_PX: f64 = 1.5;
 const ID: u32 = 1;
 
 /// The box of the object in each frame, from the text that is in `path`; frames counted from 0. Four numbers are left, top, width and
-/// height, eight the corners of a polygon, of which the box around it is taken; both count pixels from 1. In a frame with zeros
-/// or NaN there is no object.
+/// height, eight the corners of a polygon, of which the box around it is taken; both count pixels from 1. In a frame with an empty
+/// line, NaN or a box without area there is no object.
 ///
 /// # Errors
 /// A sentence that names the line if it cannot be understood.
@@ -26,18 +27,14 @@ pub(super) fn of_text(path: &Path, text: &str) -> Result<BTreeMap<usize, Vec<Obj
 
 /// Whether the table in a text has a region in its first line.
 pub(super) fn is_region(text: &str) -> bool {
-    text.lines().find(|line| !line.trim().is_empty()).is_some_and(|line| cells(line).count() == 4)
-}
-
-/// The numbers of a line, between commas, semicolons or blanks.
-fn cells(line: &str) -> impl Iterator<Item = &str> {
-    line.split([',', ';', ' ', '\t']).filter(|cell| !cell.trim().is_empty())
+    table::rows(text).next().is_some_and(|(_, line)| table::cells(line).len() == 4)
 }
 
 fn boxes(text: &str) -> Result<BTreeMap<usize, Vec<ObjectBox>>, String> {
-    let lines = text.trim_end().lines().enumerate();
+    let header = text.lines().take_while(|line| table::is_header(line)).count().min(1);
+    let lines = text.trim_end().lines().skip(header).enumerate();
     let frames = lines.map(|(t, line)| {
-        let found = object(line).map_err(|why| format!("line {}: {why}", t + 1))?;
+        let found = object(line).map_err(|why| format!("line {}: {why}", t + header + 1))?;
         Ok((t, found.into_iter().collect()))
     });
     let frames: BTreeMap<usize, Vec<ObjectBox>> = frames.collect::<Result<_, String>>()?;
@@ -49,13 +46,15 @@ fn boxes(text: &str) -> Result<BTreeMap<usize, Vec<ObjectBox>>, String> {
 
 /// The object of a line, if there is one.
 fn object(line: &str) -> Result<Option<ObjectBox>, String> {
-    let number = |cell: &str| cell.trim().parse::<f64>().map_err(|_| format!("“{}” is not a number", cell.trim()));
-    let numbers = cells(line).map(number).collect::<Result<Vec<_>, _>>()?;
+    if line.trim().is_empty() {
+        return Ok(None);
+    }
+    let numbers = table::cells(line).into_iter().map(table::number).collect::<Result<Vec<_>, _>>()?;
     if ![4, 8].contains(&numbers.len()) {
         let count = numbers.len();
         return Err(format!("{count} values where 4 (left, top, width, height) or 8 (four corners) are needed"));
     }
-    if numbers.iter().any(|number| !number.is_finite()) || numbers.iter().all(|number| *number == 0.0) {
+    if numbers.iter().any(|number| number.is_nan()) || numbers.iter().all(|number| *number == 0.0) {
         return Ok(None);
     }
     if let Some(far) = numbers.iter().find(|number| number.abs() > FARTHEST_PX) {
@@ -72,7 +71,7 @@ fn object(line: &str) -> Result<Option<ObjectBox>, String> {
     };
     let [width, height] = [0, 1].map(|i| (max[i] - min[i]) as f32);
     if width <= 0.0 || height <= 0.0 {
-        return Err(format!("a region of {width}×{height} px has no area"));
+        return Ok(None);
     }
     let [x, y] = min.map(|edge| (edge - FIRST_PX) as f32);
     Ok(Some(ObjectBox { id: ID, x, y, width, height, visibility: 1.0 }))
@@ -84,11 +83,16 @@ mod tests {
 
     #[test]
     fn both_kinds_of_lines_are_read() {
-        let frames = boxes("1,1,4,6\n3.5 2 5 5\nNaN,NaN,NaN,NaN\n0\t0\t0\t0\n10,2,14,4,12,9,8,7\n\n").expect("regions");
+        let frames =
+            boxes("1,1,4,6\n3.5 2 5 5\nNaN,NaN,NaN,NaN\n0\t0\t0\t0\n\n-1,-1,-1,-1\n7,7,0,0\n10,2,14,4,12,9,8,7\n\n")
+                .expect("regions");
         let object = |x, y, width, height| vec![ObjectBox { id: 1, x, y, width, height, visibility: 1.0 }];
         let expected = [
             object(-0.5, -0.5, 4.0, 6.0),
             object(2.0, 0.5, 5.0, 5.0),
+            Vec::new(),
+            Vec::new(),
+            Vec::new(),
             Vec::new(),
             Vec::new(),
             object(6.5, 0.5, 6.0, 7.0),
@@ -102,10 +106,8 @@ mod tests {
             ("1,2,3", "3 values"),
             ("1,2,3,4,5", "5 values"),
             ("1,2,a,4", "“a”"),
-            ("1,2,0,4", "no area"),
             ("1,2,3,1e9", "more than 1000000 px"),
             ("1,1,2,2,3,3,4,1,5", "9 values"),
-            ("", "0 values"),
         ] {
             let told = boxes(&format!("1,1,4,4\n{line}\n1,1,4,4\n")).expect_err("damaged");
             assert!(told.starts_with("line 2: ") && told.contains(why), "{line}: {told}");

@@ -250,7 +250,7 @@ impl<'a> MaskHistory<'a> {
 
 /// Precision, recall and F₁ score as text.
 fn scores(all: Matches) -> [String; 3] {
-    [all.precision(), all.recall(), all.f1()].map(|share| fixed(share, 2))
+    [all.precision(), all.recall(), all.f1()].map(|share| Matches::text(share, 2))
 }
 
 impl Conclusion {
@@ -262,6 +262,13 @@ impl Conclusion {
     /// The quality of the mask against the true foreground.
     fn of_mask(&self) -> String {
         let Some(all) = self.pixels() else { return String::new() };
+        if self.run_pixels.is_none() && self.errors.as_ref().is_some_and(|errors| errors.labelled == 0) {
+            return " The ground truth labels no pixel of this frame, so its mask is not scored.".to_owned();
+        }
+        if all.f1().is_none() {
+            return " Neither the mask nor the ground truth has foreground in labelled pixels, so there is no F₁."
+                .to_owned();
+        }
         let [precision, recall, f1] = scores(all);
         let which = if self.run_pixels.is_some() { "Pixels of all masks" } else { "Its mask" };
         let errors = match [all.false_positives(), all.misses()] {
@@ -322,17 +329,26 @@ impl Conclusion {
         let all = masks.unwrap_or(boxes);
         let number = |count| if masks.is_some() { pixels(count) } else { grouped(count) };
         let (misses, alarms) = (all.misses(), all.false_positives());
+        let is_good = |matches: Matches| matches.f1().is_none_or(|f1| f1 >= GOOD_F1);
         match () {
-            () if masks.is_some() && all.f1() >= GOOD_F1 && boxes.f1() < GOOD_F1 => {
+            () if masks.is_some() && is_good(all) && !is_good(boxes) => {
                 let why = match boxes.false_positives() {
                     0 => {
                         "objects without a box may be mostly hidden, joined to another or smaller than the minimum area"
                     }
-                    _ => "wrong boxes come from blobs that join or split objects, which the closing decides",
+                    _ if boxes.estimates > boxes.truths => {
+                        "there are more blobs than objects, so objects may be split into parts: a larger closing may join them"
+                    }
+                    _ if boxes.estimates < boxes.truths => {
+                        "there are fewer blobs than objects, so blobs may join objects that touch or hide each other"
+                    }
+                    _ => {
+                        "the wrong boxes are blobs that join or split objects, or shapes that overlap their box by less than half"
+                    }
                 };
                 format!(" The masks agree with the truth; {why}.")
             }
-            () if all.f1() >= GOOD_F1 || misses + alarms == 0 => String::new(),
+            () if is_good(all) || misses + alarms == 0 => String::new(),
             () if misses > alarms => format!(
                 " Most errors are misses ({}): try a lower threshold, a smaller opening or a smaller minimum area.",
                 number(misses)

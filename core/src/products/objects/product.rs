@@ -11,7 +11,7 @@ use crate::products::{
     Reference, Table, TrackStatus,
     assessment::{fact, scores},
     objects::{
-        score::{self, Scores},
+        score::{self, Matches, Scores},
         trajectory::{TrackPoint, Trajectory},
     },
 };
@@ -69,7 +69,8 @@ impl Product for ObjectField {
         let scored = score::scores_on(reference.clip, self);
         reference.clip.wanted()?;
         Ok(match scored {
-            Ok(scored) => own.and(scored.map(tracking).unwrap_or_default()),
+            Ok(Some(scored)) => own.and(tracking(scored)),
+            Ok(None) => own.and(self.unscored(reference)),
             Err(error) => own.and(Assessment {
                 facts: vec![fact("Scores", format!("unknown: {error}"))],
                 truth_error: Some(error),
@@ -80,6 +81,32 @@ impl Product for ObjectField {
 
     fn last_frame(&self) -> Option<usize> {
         Some(self.first + self.frames.len().saturating_sub(1))
+    }
+}
+
+impl ObjectField {
+    /// The reason why tracks have no scores although there is a truth of objects: it has no box in the frames of the run.
+    fn unscored(&self, reference: &Reference<'_>) -> Assessment {
+        let is_tracked = match &self.followed {
+            Followed::Nothing => false,
+            Followed::One(ids) => !ids.is_empty(),
+            Followed::All => true,
+        };
+        let truth = reference.clip.truth().filter(|_| is_tracked);
+        let has_truth = truth.is_some_and(|truth| truth.objects(self.first).is_ok_and(|objects| objects.is_some()));
+        if !has_truth {
+            return Assessment::default();
+        }
+        let last = self.first + self.frames.len().saturating_sub(1);
+        let why = format!(
+            "the ground truth has no box in frames {} to {last}, so the tracks are not scored; check that its frames are those of the clip",
+            self.first
+        );
+        Assessment {
+            facts: vec![fact("Scores", format!("undefined: {why}"))],
+            truth_warning: Some(Error::new(why)),
+            ..Assessment::default()
+        }
     }
 }
 
@@ -152,26 +179,28 @@ fn crossings(all: &[Arc<Trajectory>]) -> String {
 }
 
 fn tracking(of: Scores) -> Assessment {
-    let Scores { truths, switches, mota, motp, idf1, precision, recall, hota, greedy, .. } = of;
-    let values = [mota, motp, idf1, hota].map(Figure::from);
+    let Scores { truths, hypotheses, matches, switches, mota, idf1, recall, hota, greedy, .. } = of;
+    // Undefined is not zero.
+    let motp = (matches > 0).then_some(of.motp);
+    let precision = (hypotheses > 0).then_some(of.precision);
+    let values = [Some(mota), motp, Some(idf1), Some(hota)].map(Figure::from);
     let [a, b, c, d] = values;
     let values = [a, b, c, d, switches.into(), precision.into(), recall.into(), truths.into()];
+    let motp = Matches::text(motp, 3);
+    let precision = precision.map_or_else(|| "undefined".into(), |share| format!("{:.1} %", 100.0 * share));
     let mut facts = vec![
-        fact("MOTA, MOTP", format!("{mota:.3}, {motp:.3}")),
+        fact("MOTA, MOTP", format!("{mota:.3}, {motp}")),
         fact("IDF1", format!("{idf1:.3}")),
         fact("HOTA", format!("{hota:.3}")),
         fact("Identity switches", grouped(switches)),
-        fact(
-            "Precision, recall",
-            format!("{:.1} %, {:.1} % of {} true boxes", 100.0 * precision, 100.0 * recall, grouped(truths)),
-        ),
+        fact("Precision, recall", format!("{precision}, {:.1} % of {} true boxes", 100.0 * recall, grouped(truths))),
     ];
     if greedy > 0 {
         let approximation =
             format!("{} boxes are matched greedily: the frame is too dense for an optimal assignment", grouped(greedy));
         facts.push(fact("Approximate", approximation));
     }
-    let headline = format!("MOTA {mota:.3}, MOTP {motp:.3}, IDF1 {idf1:.3}, HOTA {hota:.3}, {switches} switches");
+    let headline = format!("MOTA {mota:.3}, MOTP {motp}, IDF1 {idf1:.3}, HOTA {hota:.3}, {switches} switches");
     Assessment { headline, ..Assessment::default() }.with(scores(&TRACKING, values), facts)
 }
 

@@ -6,8 +6,8 @@ use std::convert::Infallible;
 use super::assignment::{WorkBudget, least_cost, most_worth};
 use super::box_index::{BoxIndex, corners};
 use super::pairs::{Pairs, Sums};
-use crate::base::Error;
-use crate::data::{Clip, MaskErrors, Truth};
+use crate::base::{Error, words::fixed};
+use crate::data::{Clip, MaskErrors, ObjectBox, Truth};
 use crate::geometry::Bounds;
 use crate::products::{Followed, ObjectField, TrackStatus};
 
@@ -84,6 +84,11 @@ pub struct Matches {
 }
 
 impl Matches {
+    /// The share of estimates with a match as text, or the word for an undefined one.
+    pub fn text(share: Option<f64>, decimals: usize) -> String {
+        share.map_or_else(|| "undefined".into(), |share| fixed(share, decimals))
+    }
+
     /// Matches the true and the estimated boxes of a frame at the least cost 1 − IoU.
     pub fn of(frame: &(Boxes, Boxes)) -> Self {
         let (mut clear, go_on) = (Clear::default(), &|| Ok::<_, Infallible>(()));
@@ -114,20 +119,25 @@ impl Matches {
         self.estimates - self.pairs
     }
 
-    /// Share of the estimates that are matched.
-    pub fn precision(self) -> f64 {
-        share(self.pairs as f64, self.estimates as f64)
+    /// Share of the estimates that are matched; `None` without estimates.
+    pub fn precision(self) -> Option<f64> {
+        ratio(self.pairs as f64, self.estimates)
     }
 
-    /// Share of the truth that is matched.
-    pub fn recall(self) -> f64 {
-        share(self.pairs as f64, self.truths as f64)
+    /// Share of the truth that is matched; `None` without true ones.
+    pub fn recall(self) -> Option<f64> {
+        ratio(self.pairs as f64, self.truths)
     }
 
-    /// F₁ score: the harmonic mean of precision and recall.
-    pub fn f1(self) -> f64 {
-        share(2.0 * self.pairs as f64, (self.truths + self.estimates) as f64)
+    /// F₁ score: the harmonic mean of precision and recall; `None` with neither truth nor estimates.
+    pub fn f1(self) -> Option<f64> {
+        ratio(2.0 * self.pairs as f64, self.truths + self.estimates)
     }
+}
+
+/// Returns a ratio, `None` where the denominator is 0.
+fn ratio(part: f64, whole: usize) -> Option<f64> {
+    (whole > 0).then(|| part / whole as f64)
 }
 
 /// Returns a ratio, 0 where the denominator is 0.
@@ -193,8 +203,9 @@ pub fn errors_on(clip: &Clip, field: &ObjectField) -> Result<Option<Vec<FrameErr
     errors.collect::<Result<_, Error>>().map(Some)
 }
 
+/// Without a single true box in the frames there is nothing to score.
 fn scores_while(field: &ObjectField, truth: &dyn Truth, wanted: Wanted<Error>) -> Result<Option<Scores>, Error> {
-    let frames = boxes_of(field, truth)?;
+    let frames = boxes_of(field, truth)?.filter(|frames| frames.iter().any(|(known, _)| !known.is_empty()));
     frames.map(|frames| Scores::of_frames(&frames, wanted)).transpose()
 }
 
@@ -216,13 +227,35 @@ fn boxes_of(field: &ObjectField, truth: &dyn Truth) -> Result<Option<Vec<(Boxes,
     }
     let mut frames = Vec::new();
     for (i, frame) in field.frames.iter().enumerate() {
-        let Some(objects) = truth.objects(field.first + i)? else { return Ok(None) };
-        let known = objects.iter().filter(|object| counts(object.id));
-        let known = known.map(|object| (object.id, Bounds::from(object))).collect();
         let confirmed = frame.objects.iter().filter(|object| object.status == TrackStatus::Confirmed);
-        frames.push((known, confirmed.map(|object| (object.id, object.bounds)).collect()));
+        let confirmed = confirmed.map(|object| (object.id, object.bounds)).collect();
+        let Some((mut known, estimates)) = scored_boxes(truth, field.first + i, confirmed)? else { return Ok(None) };
+        known.retain(|(id, _)| counts(*id));
+        frames.push((known, estimates));
     }
     Ok(Some(frames))
+}
+
+/// Returns the true boxes of frame `t` and the estimates that count: an estimate is left out where it matches a box that the benchmark
+/// does not score better than any other, as in TrackEval's preprocessing of MOTChallenge. `None` where the truth is unknown.
+///
+/// # Errors
+/// If the truth cannot be read.
+pub fn scored_boxes(truth: &dyn Truth, t: usize, estimates: Boxes) -> Result<Option<(Boxes, Boxes)>, Error> {
+    let Some(objects) = truth.objects(t)? else { return Ok(None) };
+    let boxes =
+        |objects: &[ObjectBox]| objects.iter().map(|object| (object.id, Bounds::from(object))).collect::<Boxes>();
+    let known = boxes(&objects);
+    let ignored = boxes(&truth.ignored_objects(t)?);
+    if ignored.is_empty() || estimates.is_empty() {
+        return Ok(Some((known, estimates)));
+    }
+    let frame = ([known.clone(), ignored].concat(), estimates);
+    let (mut clear, go_on) = (Clear::default(), &|| Ok::<_, Infallible>(()));
+    let Ok(seen) = overlaps(&frame, go_on).and_then(|overlaps| clear.see(&frame, &overlaps, go_on));
+    let left_out: Vec<usize> = seen.pairs[known.len()..].iter().flatten().copied().collect();
+    let counted = frame.1.into_iter().enumerate().filter(|(column, _)| !left_out.contains(column));
+    Ok(Some((known, counted.map(|(_, estimate)| estimate).collect())))
 }
 
 impl Scores {
@@ -524,8 +557,12 @@ mod tests {
         let all = frames.iter().map(Matches::of).fold(Matches::default(), Matches::and);
         assert_eq!(all, Matches { truths: 3, estimates: 4, pairs: 2 });
         assert_eq!((all.misses(), all.false_positives()), (1, 2));
-        assert!((all.precision() - 0.5).abs() < 1e-12 && (all.recall() - 2.0 / 3.0).abs() < 1e-12);
-        assert!((all.f1() - 4.0 / 7.0).abs() < 1e-12 && Matches::default().f1() == 0.0);
+        assert_eq!((all.precision(), all.recall(), all.f1()), (Some(0.5), Some(2.0 / 3.0), Some(4.0 / 7.0)));
+        // Undefined is not zero.
+        let none = Matches::default();
+        assert_eq!((none.precision(), none.recall(), none.f1()), (None, None, None));
+        let alarm = Matches { estimates: 1, ..none };
+        assert_eq!((alarm.precision(), alarm.recall(), alarm.f1()), (Some(0.0), None, Some(0.0)));
     }
 
     #[test]
