@@ -10,6 +10,8 @@ use motionscope_core::{Clip, Error, Frame};
 use super::save::save_file;
 use crate::media::{Progress, temporary};
 
+/// How much of the errors of ffmpeg is read.
+const MOST_SAID_BYTES: u64 = 64 << 10;
 /// Frames per second of a clip whose rate is not known.
 const USUAL_HZ: f64 = 25.0;
 
@@ -86,8 +88,12 @@ impl Video {
             .map_err(|error| self.absent(&error))?;
         let mut errors = child.stderr.take();
         let said = thread::spawn(move || {
-            let mut text = String::new();
-            errors.as_mut().map_or(Ok(0), |errors| errors.read_to_string(&mut text)).map(|_| text)
+            let mut bytes = Vec::new();
+            let Some(errors) = &mut errors else { return String::new() };
+            // The rest is read as well, so that the program does not wait for a reader.
+            let read = errors.by_ref().take(MOST_SAID_BYTES).read_to_end(&mut bytes);
+            read.and_then(|_| io::copy(errors, &mut io::sink())).ok();
+            String::from_utf8_lossy(&bytes).into_owned()
         });
         // The pipe is closed behind the last picture.
         let poured = match child.stdin.take() {
@@ -99,7 +105,7 @@ impl Video {
             child.kill().unwrap_or_default();
         }
         let status = child.wait().map_err(|error| self.failed(&error))?;
-        let said = said.join().ok().and_then(Result::ok).unwrap_or_default();
+        let said = said.join().unwrap_or_default();
         let line = said.lines().map(str::trim).find(|line| !line.is_empty());
         let is_cancelled = progress.is_some_and(Progress::cancelled);
         match (poured, line) {

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use motionscope_core::{ClipInfo, Error, Frame, Grid, Stop};
 use serde::Deserialize;
@@ -22,6 +22,10 @@ const RUN_UP_FRAMES: usize = 24;
 const MOST_FRAMES_AHEAD: usize = 250;
 /// Frames before the first one wanted at which ffmpeg is set: those next to a key frame may need what lies before it.
 const MARGIN_FRAMES: usize = 32;
+/// The longest answer of ffprobe that is read: the packets of days of video.
+const MOST_ANSWER_BYTES: u64 = 256 << 20;
+/// For how long an answer or a frame is waited for.
+const PATIENCE: Duration = Duration::from_secs(120);
 /// How often a waiting thread asks whether it should stop.
 const POLL: Duration = Duration::from_millis(10);
 /// Formats of text in colours, of which ffmpeg makes the screen of an old terminal.
@@ -44,6 +48,7 @@ pub(super) fn open(path: &Path, options: &Open, why: &FfmpegReason) -> Result<So
     let probe = Probe::run(path, options, why)?;
     let times = probe.times(path, options)?;
     let mut warnings = vec![format!("{} video is decoded by the ffmpeg of this computer", probe.stream.codec_name)];
+    warnings.extend(probe.stream.shape());
     let frames = match (&times, probe.stream.nb_frames.as_deref().and_then(|n| n.parse().ok())) {
         (Some(times), _) => Some(times.len()),
         (None, Some(explained)) => Some(explained),
@@ -99,9 +104,21 @@ struct Stream {
     r_frame_rate: Option<String>,
     nb_frames: Option<String>,
     nb_read_frames: Option<String>,
+    sample_aspect_ratio: Option<String>,
+    field_order: Option<String>,
 }
 
 impl Stream {
+    /// The warnings about fields and about pixels that are not square.
+    fn shape(&self) -> Vec<String> {
+        let is_interlaced = self.field_order.as_deref().is_some_and(|order| ["tt", "bb", "tb", "bt"].contains(&order));
+        let pixel = self.sample_aspect_ratio.as_deref().and_then(|ratio| {
+            let (width, height) = ratio.split_once(':')?;
+            Some([width.parse().ok()?, height.parse().ok()?])
+        });
+        is_interlaced.then(super::interlaced).into_iter().chain(pixel.and_then(super::pixel_aspect)).collect()
+    }
+
     fn rate(&self) -> Option<f64> {
         self.avg_frame_rate.as_deref().and_then(ratio).or_else(|| self.r_frame_rate.as_deref().and_then(ratio))
     }
@@ -150,7 +167,7 @@ struct Probe {
 
 impl Probe {
     fn run(path: &Path, options: &Open, why: &FfmpegReason) -> Result<Self, Error> {
-        let entries = "stream=codec_name,avg_frame_rate,r_frame_rate,nb_frames:format=format_name";
+        let entries = "stream=codec_name,avg_frame_rate,r_frame_rate,nb_frames,sample_aspect_ratio,field_order:format=format_name";
         let what = ["-show_program_version", "-show_entries", entries];
         let answer = ask(path, &what, options).map_err(|failed| failed.explained(why))?;
         let version = answer.program_version.map(|version| version.version).unwrap_or_default();
@@ -257,16 +274,25 @@ fn ask(path: &Path, what: &[&str], options: &Open) -> Result<Answer, Failed> {
     command.args(["-v", "error", "-protocol_whitelist", "file,pipe", "-select_streams", "V:0", "-of", "json"]);
     command.args(what).arg(url(path));
     let mut child = Running(command.spawn().map_err(|_| Failed::Absent)?);
-    let mut output = child.0.stdout.take().ok_or(Failed::Refused)?;
+    let output = child.0.stdout.take().ok_or(Failed::Refused)?;
     let reader = thread::spawn(move || {
         let mut text = Vec::new();
-        output.read_to_end(&mut text).map(|_| text)
+        output.take(MOST_ANSWER_BYTES).read_to_end(&mut text).map(|_| text)
     });
+    let begun = Instant::now();
+    // To decode all frames may take as long as it takes; it can be cancelled.
+    let is_bounded = !what.contains(&"-count_frames");
     while !reader.is_finished() {
         options.report(0.0).map_err(Failed::Stopped)?;
+        if is_bounded && begun.elapsed() > PATIENCE {
+            return Err(Failed::Refused);
+        }
         thread::sleep(POLL);
     }
     let text = reader.join().ok().and_then(Result::ok).ok_or(Failed::Refused)?;
+    if text.len() as u64 == MOST_ANSWER_BYTES {
+        return Err(Failed::Refused);
+    }
     serde_json::from_slice(&text).map_err(|_| Failed::Refused)
 }
 
@@ -324,8 +350,15 @@ impl Ffmpeg {
     /// The next frame; `None` at the end. An error of `go_on`, which is asked again and again, ends the process.
     fn read(&mut self, go_on: &dyn Fn() -> Result<(), Error>) -> Result<Option<Frame>, Error> {
         let Some((child, frames)) = self.running.take() else { return Ok(None) };
+        let begun = Instant::now();
         let frame = loop {
             go_on()?;
+            if begun.elapsed() > PATIENCE {
+                let seconds = PATIENCE.as_secs();
+                return Err(Error::new(format!(
+                    "ffmpeg has delivered no frame for {seconds} s; convert the clip, or copy it again"
+                )));
+            }
             match frames.recv_timeout(POLL) {
                 Ok(frame) => break frame?,
                 Err(RecvTimeoutError::Timeout) => {}

@@ -116,7 +116,7 @@ impl Codec for H264 {
             warnings.push(format!("{} bits per sample are rounded to 8", self.info.bit_depth_luma));
         }
         if !self.info.progressive {
-            warnings.push("interlaced video is shown as whole frames".into());
+            warnings.push(super::interlaced());
         }
         warnings
     }

@@ -26,6 +26,11 @@ const CONTENT_ENCODINGS: u32 = 0x6D80;
 const CONTENT_ENCODING: u32 = 0x6240;
 const CONTENT_ENCRYPTION: u32 = 0x5035;
 const VIDEO: u32 = 0xE0;
+const FLAG_INTERLACED: u32 = 0x9A;
+const PIXEL_WIDTH: u32 = 0xB0;
+const PIXEL_HEIGHT: u32 = 0xBA;
+const DISPLAY_WIDTH: u32 = 0x54B0;
+const DISPLAY_HEIGHT: u32 = 0x54BA;
 const COLOUR: u32 = 0x55B0;
 const MATRIX_COEFFICIENTS: u32 = 0x55B1;
 const RANGE: u32 = 0x55B9;
@@ -183,7 +188,8 @@ impl Walk {
             return Err(Error::new("its video is packed once more inside the file, which needs ffmpeg"));
         }
         let number = find(entry, TRACK_NUMBER).map_or(0, unsigned);
-        let colour = find(entry, VIDEO).and_then(|video| find(video, COLOUR));
+        let video = find(entry, VIDEO).unwrap_or_default();
+        let colour = find(video, COLOUR);
         let colors = colour.map(|colour| {
             let matrix = find(colour, MATRIX_COEFFICIENTS).map_or(2, unsigned);
             (u32::try_from(matrix).unwrap_or(2), find(colour, RANGE).map(unsigned) == Some(2))
@@ -193,6 +199,7 @@ impl Walk {
             config: find(entry, CODEC_PRIVATE).unwrap_or_default().to_vec(),
             encrypted,
             colors,
+            warnings: shape(video),
             ..Track::default()
         };
         self.track = Some((number, track));
@@ -244,6 +251,26 @@ impl Walk {
         }
         Ok(track)
     }
+}
+
+/// The warnings about fields and about pixels that are not square. The sides of the display may be pixels or a proportion.
+fn shape(video: &[u8]) -> Vec<String> {
+    let is_interlaced = find(video, FLAG_INTERLACED).map(unsigned) == Some(1);
+    let side = |id| find(video, id).map(unsigned);
+    let pixel = (|| {
+        let (width, height) = (side(PIXEL_WIDTH)?, side(PIXEL_HEIGHT)?);
+        let shown = [side(DISPLAY_WIDTH)?.checked_mul(height)?, side(DISPLAY_HEIGHT)?.checked_mul(width)?];
+        // A display of whole pixels is rounded.
+        let is_square = shown[0].abs_diff(shown[1]) <= width.max(height);
+        let divisor = gcd(shown[0], shown[1]).max(1);
+        (!is_square).then(|| shown.map(|side| side / divisor))
+    })();
+    let warned = is_interlaced.then(super::interlaced);
+    warned.into_iter().chain(pixel.and_then(super::pixel_aspect)).collect()
+}
+
+fn gcd(a: u64, b: u64) -> u64 {
+    if b == 0 { a } else { gcd(b, a % b) }
 }
 
 fn header(input: &mut Input, at: u64, size: u64) -> Result<Vec<u8>, Error> {

@@ -53,7 +53,7 @@ impl Codec for Mjpeg {
     }
 
     fn warnings(&self) -> Vec<String> {
-        self.fields.then(|| "interlaced video is shown as whole frames".to_owned()).into_iter().collect()
+        self.fields.then(super::interlaced).into_iter().collect()
     }
 }
 

@@ -15,6 +15,8 @@ mod turn;
 mod vp9;
 pub(super) mod y4m;
 
+use std::collections::BTreeSet;
+
 use std::path::Path;
 
 use motionscope_core::{ClipInfo, Error};
@@ -105,5 +107,22 @@ fn decode(input: Input, mut track: Track) -> Result<Source, Error> {
     })?;
     (info.width, info.height) = size;
     info.warnings.extend(warnings);
+    // Container and codec may both tell it.
+    let mut told = BTreeSet::new();
+    info.warnings.retain(|warning| told.insert(warning.clone()));
     Ok(Source::new(info, coded))
+}
+/// The warning about video whose frames are made of two fields.
+pub(super) fn interlaced() -> String {
+    "interlaced video is shown as whole frames".into()
+}
+
+/// The warning about pixels that are not square: `width` to `height`, if both are known.
+pub(super) fn pixel_aspect([width, height]: [u64; 2]) -> Option<String> {
+    let is_square = width == height || width == 0 || height == 0;
+    (!is_square).then(|| {
+        format!(
+            "pixels are meant to be shown {width}:{height} as wide as high and are taken as square, so horizontal and vertical distances differ"
+        )
+    })
 }

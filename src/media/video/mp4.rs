@@ -165,6 +165,11 @@ impl Video<'_> {
             warnings.push("it is to be shown turned by an odd angle or skewed; it is shown as recorded".into());
             Turn::default()
         });
+        let pixel = find(children, b"pasp").and_then(|pasp| {
+            let mut sides = Bytes(pasp);
+            Some([sides.be32()?, sides.be32()?].map(u64::from))
+        });
+        warnings.extend(pixel.and_then(super::pixel_aspect));
         Track {
             ticks_per_second: f64::from(self.ticks),
             encrypted: self.kind == *b"encv",

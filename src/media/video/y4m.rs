@@ -64,6 +64,8 @@ pub(crate) struct Header {
     depth: u32,
     alpha: bool,
     interlaced: bool,
+    /// Width and height of a pixel, in proportion.
+    pixel: [u64; 2],
     colors: Colors,
 }
 
@@ -79,6 +81,7 @@ impl Header {
         let mut fps = None;
         let mut space = "420";
         let mut interlaced = false;
+        let mut pixel = [1, 1];
         let mut full_range = None;
         for token in text.split_ascii_whitespace().skip(1) {
             let Some((tag, value)) = token.split_at_checked(1) else { continue };
@@ -87,6 +90,12 @@ impl Header {
                 "H" => height = value.parse().ok(),
                 "F" => fps = ratio(value),
                 "I" => interlaced = matches!(value, "t" | "b" | "m"),
+                "A" => {
+                    pixel = value
+                        .split_once(':')
+                        .and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]))
+                        .unwrap_or(pixel)
+                }
                 "C" => space = value,
                 "X" => full_range = full_range.or(range(value)),
                 _ => {}
@@ -103,7 +112,7 @@ impl Header {
         // Gray is full range unless it says otherwise, colour is not.
         let full_range = full_range.unwrap_or(chroma == Chroma::Mono);
         let colors = Colors { matrix: Matrix::by_height(height), full_range };
-        Ok(Self { width, height, fps, chroma, depth, alpha, interlaced, colors })
+        Ok(Self { width, height, fps, chroma, depth, alpha, interlaced, pixel, colors })
     }
 
     /// The frame whose samples are `bytes`.
@@ -137,8 +146,9 @@ impl Header {
             warnings.push(format!("{} bits per sample are rounded to 8", self.depth));
         }
         if self.interlaced {
-            warnings.push("interlaced video is shown as whole frames".into());
+            warnings.push(super::interlaced());
         }
+        warnings.extend(super::pixel_aspect(self.pixel));
         warnings
     }
 }

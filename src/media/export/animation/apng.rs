@@ -24,6 +24,7 @@ pub fn encode(reel: &Reel, progress: Option<&dyn Progress>) -> Result<Vec<u8>, E
     let mut writer = encoder.write_header().map_err(why)?;
     let mut before: Option<Vec<u8>> = None;
     reel.each(progress, |_, shot| {
+        let delay_ms = shot.ticks(1000.0).min(u32::from(u16::MAX)) as u16;
         let now = shot.picture.into_raw();
         let area = before.as_ref().map_or(Area::whole(reel.size), |before| Area::of_changes([before, &now], width, 3));
         if before.is_some() {
@@ -32,7 +33,7 @@ pub fn encode(reel: &Reel, progress: Option<&dyn Progress>) -> Result<Vec<u8>, E
             writer.set_frame_dimension(area.width, area.height).map_err(why)?;
             writer.set_frame_position(area.x, area.y).map_err(why)?;
         }
-        writer.set_frame_delay(shot.ms.min(u32::from(u16::MAX)) as u16, 1000).map_err(why)?;
+        writer.set_frame_delay(delay_ms, 1000).map_err(why)?;
         writer.write_image_data(&area.cut(&now, width, 3)).map_err(why)?;
         before = Some(now);
         Ok(())

@@ -44,7 +44,7 @@ pub fn encode(reel: &Reel, progress: Option<&dyn Progress>) -> Result<Vec<u8>, E
             top: area.y as u16,
             width: area.width as u16,
             height: area.height as u16,
-            delay: ((shot.ms + 5) / 10).max(LEAST_DELAY) as u16,
+            delay: shot.ticks(100.0).clamp(LEAST_DELAY, u32::from(u16::MAX)) as u16,
             dispose: DisposalMethod::Keep,
             transparent: before.is_some().then_some(UNCHANGED),
             buffer: Cow::Owned(pixels),

@@ -15,9 +15,9 @@ use motionscope_core::Error;
 use crate::media::Progress;
 
 /// The time for which the last picture stays before an animation begins anew, in milliseconds.
-const LAST_MS: u32 = 2000;
+const LAST_S: f64 = 2.0;
 /// The share of a picture's time in which it turns into the next, if it does.
-const TURN: f32 = 0.5;
+const TURN: f64 = 0.5;
 
 /// The file format of an animation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,13 +87,17 @@ impl Timing {
     /// The largest number of pictures between two steps.
     pub const MOST_BETWEEN: u32 = 8;
 
-    /// Returns the time of each picture in milliseconds: of a step, and of one that leads to the next.
-    fn times_ms(self) -> [u32; 2] {
-        let whole = 1000.0 / self.rate_hz.clamp(*Self::RATE_HZ.start(), *Self::RATE_HZ.end());
-        let ms = |time: f32| time.round().max(1.0) as u32;
+    /// Returns the steps per second that it plays.
+    fn rate(self) -> f64 {
+        self.rate_hz.clamp(*Self::RATE_HZ.start(), *Self::RATE_HZ.end()).into()
+    }
+
+    /// Returns the time of each picture in seconds: of a step, and of one that leads to the next.
+    fn times_s(self) -> [f64; 2] {
+        let whole = 1.0 / self.rate();
         match self.between {
-            0 => [ms(whole), 0],
-            count => [ms(whole * (1.0 - TURN)), ms(whole * TURN / count as f32)],
+            0 => [whole, 0.0],
+            count => [whole * (1.0 - TURN), whole * TURN / f64::from(count)],
         }
     }
 }
@@ -113,10 +117,19 @@ pub struct Reel {
     timing: Timing,
 }
 
-/// A picture of an animation and the time that it is shown, in milliseconds.
+/// A picture of an animation, and from when until when it is shown, in seconds from the start.
 struct Shot {
     picture: RgbImage,
-    ms: u32,
+    from_s: f64,
+    until_s: f64,
+}
+
+impl Shot {
+    /// Returns its time in units of which `per_second` make a second. Both ends are rounded, so that rounding errors do not add up.
+    fn ticks(&self, per_second: f64) -> u32 {
+        let end = |time: f64| (time * per_second).round() as u32;
+        end(self.until_s) - end(self.from_s)
+    }
 }
 
 impl Reel {
@@ -164,9 +177,10 @@ impl Reel {
         progress: Option<&dyn Progress>,
         mut take: impl FnMut(usize, Shot) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let [step_ms, between_ms] = self.timing.times_ms();
+        let [step_s, between_s] = self.timing.times_s();
         let (count, mut index) = (self.shots(), 0);
-        let mut give = |shot: Shot| {
+        let mut give = |picture: RgbImage, from_s: f64, for_s: f64| {
+            let shot = Shot { picture, from_s, until_s: from_s + for_s };
             if progress.is_some_and(|progress| progress.cancelled()) {
                 return Err(Error::new("saving was cancelled"));
             }
@@ -180,14 +194,15 @@ impl Reel {
         let mut next = self.picture(0)?;
         for step in 0..self.steps.len() {
             let now = next;
+            let from_s = step as f64 / self.timing.rate();
             if step + 1 == self.steps.len() {
-                return give(Shot { picture: now, ms: step_ms.max(LAST_MS) });
+                return give(now, from_s, step_s.max(LAST_S));
             }
             next = self.picture(step + 1)?;
             let between: Vec<_> = (1..=self.timing.between).map(|i| blend([&now, &next], self.weight(i))).collect();
-            give(Shot { picture: now, ms: step_ms })?;
-            for picture in between {
-                give(Shot { picture, ms: between_ms })?;
+            give(now, from_s, step_s)?;
+            for (i, picture) in between.into_iter().enumerate() {
+                give(picture, from_s + step_s + i as f64 * between_s, between_s)?;
             }
         }
         Ok(())

@@ -51,7 +51,26 @@ fn decoders_find_the_pictures_and_their_times() {
             let seen = image::DynamicImage::ImageRgba8(frame.buffer().clone()).into_rgb8();
             assert_eq!(&seen, wanted, "{format:?}, picture {i}: few colours are kept exactly");
             let (n, d) = frame.delay().numer_denom_ms();
-            assert_eq!(n / d, if i == 3 { LAST_MS } else { 100 }, "{format:?}, picture {i}");
+            assert_eq!(n / d, if i == 3 { (1000.0 * LAST_S) as u32 } else { 100 }, "{format:?}, picture {i}");
+        }
+    }
+}
+
+#[test]
+fn rounding_errors_of_times_do_not_add_up() {
+    for rate_hz in [3.0, 7.0, 12.0, 15.0, 24.0, 29.97, 30.0, 40.0, 50.0] {
+        let mut reel = Reel::new(Timing { rate_hz, between: 0 }, [0; 3]);
+        for level in 0..31_u8 {
+            reel.push(png(4, 4, Pixels::Gray(&[8 * level; 16])).expect("a picture")).expect("a PNG file");
+        }
+        for format in OWN {
+            let frames = decoded(format, &reel.encode(format, None).expect("it is encoded"));
+            let ms = |frame: &image::Frame| {
+                f64::from(frame.delay().numer_denom_ms().0) / f64::from(frame.delay().numer_denom_ms().1)
+            };
+            let all: f64 = frames[..30].iter().map(ms).sum();
+            let wanted = 30_000.0 / f64::from(rate_hz);
+            assert!((all - wanted).abs() <= 5.0, "{format:?} at {rate_hz} Hz: 30 steps take {all} ms, not {wanted}");
         }
     }
 }
@@ -62,7 +81,7 @@ fn pictures_in_between_lead_to_the_next() {
     let frames = decoded(AnimationFormat::Apng, &reel.encode(AnimationFormat::Apng, None).expect("it is encoded"));
     assert_eq!(frames.len(), 13);
     let delays: Vec<u32> = frames.iter().map(|frame| frame.delay().numer_denom_ms()).map(|(n, d)| n / d).collect();
-    assert_eq!(delays[..5], [50, 17, 17, 17, 50], "a step takes 0.1 s with its way to the next");
+    assert_eq!(delays[..5], [50, 17, 16, 17, 50], "a step takes 0.1 s with its way to the next");
     let at = |frame: usize| frames[frame].buffer().get_pixel(10, 8).0[0];
     let [sky, red] = [0, 1].map(|step| wanted[step].get_pixel(10, 8).0[0]);
     let way: Vec<u8> = (0..5).map(at).collect();

@@ -31,11 +31,12 @@ pub fn encode(reel: &Reel, progress: Option<&dyn Progress>) -> Result<Vec<u8>, E
     chunk(&mut chunks, b"ANIM", &[0; 6]);
     let mut before: Option<Vec<u8>> = None;
     reel.each(progress, |_, shot| {
+        let ms = shot.ticks(1000.0);
         let now = shot.picture.into_raw();
         let area =
             before.as_ref().map_or(Area::whole(reel.size), |before| even(Area::of_changes([before, &now], width, 3)));
         let still = still(&area.cut(&now, width, 3), area)?;
-        let place = [area.x / 2, area.y / 2, area.width - 1, area.height - 1, shot.ms].map(u24).concat();
+        let place = [area.x / 2, area.y / 2, area.width - 1, area.height - 1, ms].map(u24).concat();
         chunk(&mut chunks, b"ANMF", &[&place, [REPLACES].as_slice(), &still[HEADER..]].concat());
         before = Some(now);
         Ok(())
