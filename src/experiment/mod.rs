@@ -11,6 +11,7 @@ pub mod sweeps;
 
 use std::sync::Arc;
 
+use motionscope_core::params::{Figure, Kind, Spec};
 use motionscope_core::products::{Assessment, Reference};
 use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Output, Walk, estimators};
 
@@ -115,6 +116,42 @@ pub struct Prepared {
     pub clip: Clip,
     /// All input files, including the session.
     pub inputs: Arc<Inputs>,
+}
+
+/// Pairs of frames whose truth is looked for.
+const MOST_PAIRS: usize = 1000;
+
+/// The first pair of frames whose true flow is known, if there is one and it is not the first of the clip: a run begins there unless
+/// another frame is asked for. The search ends where `is_wanted` says no more.
+pub fn first_known_pair(clip: &Clip, is_wanted: impl Fn() -> bool) -> Option<usize> {
+    let truth = clip.truth().filter(|truth| truth.kinds().contains(&"flow"))?;
+    let pairs = clip.info().frames.unwrap_or(0).saturating_sub(1).min(MOST_PAIRS);
+    // What cannot be read is told where it is needed.
+    let is_known = |t: &usize| truth.flow(*t).map_or(true, |flow| flow.is_some());
+    let first = (0..pairs).take_while(|_| is_wanted()).find(is_known)?;
+    (first > 0).then_some(first)
+}
+
+/// Whether a run of the estimator is one of a single pair of frames, so that the pair decides whether the truth is known.
+pub fn is_of_pair(estimator: &dyn AnyEstimator) -> bool {
+    !estimator.is_by_frame() && !estimator.is_of_single_frames()
+}
+
+/// What is to be placed on the object before a run is about it: a region of the first frame that is neither placed nor that of a true
+/// object.
+pub fn unplaced(estimator: &dyn AnyEstimator, clip: &Clip, frame: usize) -> Option<&'static Spec> {
+    let has_object =
+        clip.truth().is_some_and(|truth| matches!(truth.objects(frame), Ok(Some(objects)) if !objects.is_empty()));
+    let is_region =
+        |spec: &&Spec| matches!(&spec.kind, Kind::Optional { of, .. } if matches!(**of, Kind::Placed(Figure::Zone)));
+    let spec = estimator.specs().iter().find(is_region).filter(|_| !has_object)?;
+    let is_unset = estimator.get(&spec.name).is_ok_and(|value| value == spec.default);
+    is_unset.then_some(spec)
+}
+
+/// What is said of that pair.
+pub fn told_of_pair(frame: usize) -> String {
+    format!("The true flow is known for frames {frame} → {}: the run is on this pair.", frame + 1)
 }
 
 impl Prepared {

@@ -47,7 +47,9 @@ impl Source {
             return Ok(Self::Pair([first.into(), second.into()]));
         }
         let Some(scene) = name.to_str().and_then(|name| name.strip_prefix(SYNTH)) else {
-            return Ok(Self::File(name.into()));
+            // A scene may be named as it is seen in the window, where no file is called so.
+            let scene = name.to_str().filter(|_| !Path::new(name).exists()).and_then(|name| synth::scene(name).ok());
+            return scene.map_or_else(|| Ok(Self::File(name.into())), |scene| Self::synth(scene.id));
         };
         let mut parts = scene.split(',');
         let mut source = Self::synth(parts.next().unwrap_or_default())?;

@@ -1,6 +1,7 @@
 //! TOML that is read key by key, so that whatever is wrong is told with its line and its key.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use motionscope_core::Error;
 use motionscope_core::params::Kind;
@@ -19,7 +20,7 @@ pub struct Section<'a> {
 
 /// A value and where it stands.
 pub struct Entry<'a> {
-    text: &'a str,
+    lines: Arc<Lines>,
     line: usize,
     key: String,
     value: DeValue<'a>,
@@ -31,15 +32,16 @@ impl<'a> Section<'a> {
     /// # Errors
     /// A sentence that names the line if it is no TOML.
     pub fn parse(text: &'a str) -> Result<Self, Error> {
-        let table = DeTable::parse(text).map_err(|error| unreadable(text, &error))?;
-        Ok(Self::new(text, (String::new(), 1), table.into_inner()))
+        let lines = Arc::new(Lines::of(text));
+        let table = DeTable::parse(text).map_err(|error| unreadable(&lines, &error))?;
+        Ok(Self::new(&lines, (String::new(), 1), table.into_inner()))
     }
 
-    fn new(text: &'a str, (path, line): (String, usize), table: DeTable<'a>) -> Self {
+    fn new(lines: &Arc<Lines>, (path, line): (String, usize), table: DeTable<'a>) -> Self {
         let entry = |(name, value): (Spanned<Cow<'a, str>>, Spanned<DeValue<'a>>)| {
-            let line = line_at(text, name.span().start);
+            let line = lines.at(name.span().start);
             let key = format!("{path}{}", name.get_ref());
-            (name.into_inner().into_owned(), Entry { text, line, key, value: value.into_inner() })
+            (name.into_inner().into_owned(), Entry { lines: Arc::clone(lines), line, key, value: value.into_inner() })
         };
         let entries = table.into_iter().map(entry).collect();
         Self { entries, line, known: Vec::new(), path }
@@ -233,7 +235,7 @@ impl<'a> Entry<'a> {
     /// If it is something else.
     pub fn section(self) -> Result<Section<'a>, Error> {
         match self.value {
-            DeValue::Table(table) => Ok(Section::new(self.text, (format!("{}.", self.key), self.line), table)),
+            DeValue::Table(table) => Ok(Section::new(&self.lines, (format!("{}.", self.key), self.line), table)),
             _ => Err(self.is_no("a section")),
         }
     }
@@ -245,8 +247,8 @@ impl<'a> Entry<'a> {
     pub fn sections(self) -> Result<Vec<Section<'a>>, Error> {
         let DeValue::Array(all) = self.value else { return Err(self.is_no("a list of sections")) };
         let entry = |value: Spanned<DeValue<'a>>| {
-            let line = line_at(self.text, value.span().start);
-            Entry { text: self.text, line, key: self.key.clone(), value: value.into_inner() }.section()
+            let line = self.lines.at(value.span().start);
+            Entry { lines: Arc::clone(&self.lines), line, key: self.key.clone(), value: value.into_inner() }.section()
         };
         all.into_iter().map(entry).collect()
     }
@@ -260,17 +262,38 @@ fn number(value: &DeValue<'_>) -> Option<f32> {
     }
 }
 
-/// The line of the byte `at`, counted from 1.
-fn line_at(text: &str, at: usize) -> usize {
-    let before = text.as_bytes().get(..at).unwrap_or(text.as_bytes());
-    1 + before.iter().filter(|byte| **byte == b'\n').count()
+/// The ends of the lines of a text, found once.
+struct Lines(Vec<usize>);
+
+impl Lines {
+    fn of(text: &str) -> Self {
+        Self(text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at).collect())
+    }
+
+    /// The line of the byte `at`, counted from 1.
+    fn at(&self, at: usize) -> usize {
+        1 + self.0.partition_point(|end| *end < at)
+    }
 }
 
-/// Why `text` is no TOML.
-fn unreadable(text: &str, error: &toml::de::Error) -> Error {
-    let line = line_at(text, error.span().map_or(0, |span| span.start));
+/// Why a text is no TOML.
+fn unreadable(lines: &Lines, error: &toml::de::Error) -> Error {
+    let line = lines.at(error.span().map_or(0, |span| span.start));
     if error.message().contains("duplicate key") {
         return Error::new(format!("line {line} has a key that is there already; leave one of them out"));
     }
     Error::new(format!("line {line} is not written as key = value, with texts in quotes"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_counted_from_one_and_end_behind_their_last_byte() {
+        let text = "a = 1\n\nb = 2\nc = 3";
+        let lines = Lines::of(text);
+        let plain = |at: usize| 1 + text[..at].matches('\n').count();
+        assert!((0..=text.len()).all(|at| lines.at(at) == plain(at)));
+    }
 }

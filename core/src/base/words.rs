@@ -159,9 +159,24 @@ pub fn nearest<'a>(given: &str, names: impl Iterator<Item = &'a str>) -> Option<
     (edits <= 2 && 3 * edits <= given.len()).then_some(name)
 }
 
+/// Whether `typed` is `name`, whatever its capitals and whatever stands between its words: `chan-vese` is `Chan–Vese`.
+pub fn is_name(typed: &str, name: &str) -> bool {
+    let words = |text: &str| {
+        let words = text.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
+        words.map(str::to_lowercase).collect::<Vec<_>>()
+    };
+    !words(typed).is_empty() && words(typed) == words(name)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_are_the_same_however_they_are_written() {
+        assert!(is_name("hierarchical-search", "Hierarchical search") && is_name("chan vese", "Chan–Vese"));
+        assert!(!is_name("hierarchical", "Hierarchical search") && !is_name("", "") && !is_name("--", ""));
+    }
 
     #[test]
     fn the_name_that_was_probably_meant_is_reported() {

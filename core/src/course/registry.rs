@@ -1,6 +1,6 @@
 //! The registry of all estimators, in the order of the course.
 
-use crate::base::Error;
+use crate::base::{Error, words};
 use crate::families::{
     block_matching::{
         AdaptiveRood, Diamond, FourStep, FullSearch, Hexagon, Hierarchical, LogSearch, NewThreeStep, Predictive,
@@ -109,10 +109,13 @@ pub fn estimators() -> Vec<Box<dyn AnyEstimator>> {
     Course::ENTRIES.iter().map(|entry| (entry.make)()).collect()
 }
 
-/// Returns the estimator `id` with default parameters.
+/// Returns the estimator with this id, or this name as people see it, with default parameters.
 ///
 /// # Errors
 /// A sentence with the known ids.
 pub fn estimator(id: &str) -> Result<Box<dyn AnyEstimator>, Error> {
-    Course::entry(id).map(|entry| (entry.make)())
+    Course::entry(id).map(|entry| (entry.make)()).or_else(|unknown| {
+        let named = estimators().into_iter().find(|estimator| words::is_name(id, estimator.info().name));
+        named.ok_or(unknown)
+    })
 }

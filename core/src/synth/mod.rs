@@ -149,7 +149,8 @@ impl Sample {
 /// # Errors
 /// If there is none: a sentence with all names.
 pub fn scene(id: &str) -> Result<&'static Sample, Error> {
-    SCENES.iter().find(|scene| scene.id == id).ok_or_else(|| {
+    let is_called = |scene: &&Sample| scene.id == id || words::is_name(id, scene.title);
+    SCENES.iter().find(is_called).ok_or_else(|| {
         let ids: Vec<_> = SCENES.iter().map(|scene| scene.id).collect();
         Error::new(words::there_is_no("synthetic scene", id, &ids))
     })

@@ -19,7 +19,7 @@
 //!
 //! `example = "full-search/aperture"` stands for clip, estimator, frame and parameters of that example.
 
-mod bundled;
+pub(crate) mod bundled;
 pub mod formula;
 pub mod handout;
 mod read;

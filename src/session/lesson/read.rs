@@ -11,6 +11,19 @@ use super::{Lesson, Page, words};
 /// The line around the header of a page.
 pub(super) const FENCE: &str = "+++";
 
+/// The most letters of a title, which has to fit above a page.
+const MOST_LETTERS: usize = 200;
+
+/// A title, if it is not too long for one.
+fn checked_title(title: &str) -> Result<&str, Error> {
+    match title.chars().count() {
+        count if count > MOST_LETTERS => {
+            Err(Error::new(format!("a title has at most {MOST_LETTERS} letters, and this one has {count}; shorten it")))
+        }
+        _ => Ok(title),
+    }
+}
+
 /// Reads the lesson in `text`, whose files are relative to `folder`. A page that is wrong keeps its place and says why.
 ///
 /// # Errors
@@ -20,6 +33,7 @@ pub(super) fn lesson(slug: &str, text: &str, folder: &Path) -> Result<Lesson, Er
     let (head, sources) = split(&text)?;
     let title = head.lines().find_map(|line| line.strip_prefix("# "));
     let title = title.ok_or_else(|| Error::new("it is not a lesson: its first line is not # and a title"))?.trim();
+    checked_title(title)?;
     let summary: Vec<_> = head.lines().filter(|line| !line.starts_with('#')).map(str::trim).collect();
     let mut pages: Vec<Page> = Vec::new();
     for source in &sources {
@@ -79,7 +93,7 @@ fn page(source: &Source<'_>, before: Option<&Session>, folder: &Path) -> Page {
     };
     let read = Section::parse(&source.header).and_then(|mut top| {
         // The title first: a page that is wrong is named as well.
-        page.title = top.need("title")?.text()?.to_owned();
+        page.title = top.need("title")?.parsed(|title| checked_title(title).map(str::to_owned))?;
         page.notes = top.take("notes").map_or(Ok(String::new()), |notes| notes.text().map(str::to_owned))?;
         page.until = top.take("until").map(|until| until.parsed(str::parse::<Cursor>)).transpose()?;
         page.predicts = top.take("predict").map_or(Ok(false), |asks| asks.switch())?;

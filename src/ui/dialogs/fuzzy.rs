@@ -24,6 +24,12 @@ pub fn mentions(query: &str, text: &str) -> bool {
     query.split_whitespace().count() > 0 && query.split_whitespace().all(begins)
 }
 
+/// Whether `text` begins with `query`.
+pub fn begins(query: &str, text: &str) -> bool {
+    let query = plain(query.trim());
+    !query.is_empty() && plain(text).starts_with(&query)
+}
+
 /// As a keyboard types it: small letters without marks, and plain hyphens.
 fn plain(text: &str) -> String {
     let letter = |c: char| match c {

@@ -9,6 +9,7 @@ use eframe::egui::{
 };
 use lucide_icons::Icon;
 use motionscope_core::examples::{self, Cause};
+use motionscope_core::params::Kind;
 use motionscope_core::{AnyEstimator, estimators, synth};
 
 use super::fuzzy;
@@ -160,6 +161,8 @@ enum Place {
     Beside,
     /// In the name.
     Name,
+    /// The name begins with it.
+    Begins,
 }
 
 /// How well an entry fits; `None` if it does not.
@@ -169,7 +172,10 @@ fn rank(query: &str, entry: &Entry) -> Option<Rank> {
     let of = fuzzy::score(query, &format!("{tip} {also}")).map(|score| score - 100);
     let score = fuzzy::score(query, text).max(of);
     let beside = format!("{text} {tip} {also}");
+    // The kind of thing comes before its own name.
+    let own = text.split_once(": ").map_or(text.as_str(), |(_, name)| name);
     let place = match () {
+        () if fuzzy::begins(query, own) => Place::Begins,
         () if fuzzy::mentions(query, text) => Place::Name,
         () if fuzzy::mentions(query, &beside) => Place::Beside,
         () if fuzzy::mentions(query, &format!("{beside} {about}")) => Place::About,
@@ -285,13 +291,58 @@ fn entries(input: &Input) -> Vec<Entry> {
         let action = Action::Show(Target::Chart(pane));
         Entry { icon: Icon::ChartColumn, text, tip, also: pane.id, about, keys: String::new(), action }
     });
-    commands.chain(estimators).chain(charts).chain(samples).chain(examples).chain(lessons).chain(recent).collect()
+    commands
+        .chain(estimators)
+        .chain(placed_parameters())
+        .chain(charts)
+        .chain(samples)
+        .chain(examples)
+        .chain(lessons)
+        .chain(recent)
+        .collect()
 }
+
+/// What can be placed on the pictures, each once: it is a parameter of some estimator, which is chosen with it.
+fn placed_parameters() -> Vec<Entry> {
+    let mut entries: Vec<Entry> = Vec::new();
+    for estimator in estimators() {
+        let info = estimator.info();
+        for spec in estimator.specs().iter().filter(|spec| matches!(spec.kind, Kind::Placed(_))) {
+            let first = spec.doc.split_once(". ").map_or(spec.doc.as_str(), |(first, _)| first).trim_end_matches('.');
+            // A short definition is the name that people look for.
+            let name = if first.chars().count() <= MOST_NAME { first } else { &spec.label };
+            let text = format!("Parameter: {name}");
+            if entries.iter().any(|entry| entry.text == text) {
+                continue;
+            }
+            let (tip, about, keys) = (info.name.to_owned(), spec.doc.clone(), String::new());
+            let action = Action::Show(Target::Parameter(info.id, &spec.name));
+            entries.push(Entry { icon: Icon::SlidersHorizontal, text, tip, also: &spec.name, about, keys, action });
+        }
+    }
+    entries
+}
+
+/// The most letters of a definition that serves as a name.
+const MOST_NAME: usize = 24;
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::ui::app::commands::Menu;
+
+    #[test]
+    fn names_that_begin_with_the_query_come_first() {
+        assert_eq!(names("chan")[0], "Estimator: Chan–Vese");
+        for query in ["count", "counting line"] {
+            let found = names(query);
+            assert_eq!(found[0], "Parameter: Counting lines", "{query}: {:?}", &found[..3]);
+        }
+        for query in ["line", "zone"] {
+            let found = names(query);
+            assert!(found[..6].iter().any(|name| name.starts_with("Parameter: ")), "{query}: {:?}", &found[..6]);
+        }
+    }
 
     /// What a query finds in a window with a run, by name.
     fn names(query: &str) -> Vec<String> {
