@@ -372,3 +372,25 @@ fn pages_open_before_one_waits() {
     // A machine that is busy with other tests takes longer, but not for most pages.
     assert!(median < OPENS_MS, "half of the pages take {median:.0} ms");
 }
+
+#[test]
+fn the_last_page_offers_the_next_lesson_and_keeps_its_step() {
+    let lesson = &all()[1];
+    let last = lesson.pages.len();
+    for key in [Key::ArrowRight, Key::PageDown] {
+        let mut window = opened(&format!("lesson:{}/{last}", lesson.slug));
+        let until = lesson.pages[last - 1].until.unwrap_or(window.cursor());
+        for _ in 0..MOST_STEPS {
+            window.key(key);
+            if window.harness.query_by_label_contains("again: ").is_some() {
+                break;
+            }
+        }
+        assert_eq!(page(&window).0, last, "{key:?} stays on the page");
+        let (at, end) = (window.cursor(), until);
+        assert!((at.unit, at.event) <= (end.unit, end.event), "{key:?} leaves words and picture in agreement");
+        assert!(window.harness.query_by_label_contains(&all()[2].title).is_some(), "{key:?} names the next lesson");
+        window.key(key);
+        assert_eq!(page(&window), (1, all()[2].pages.len()), "{key:?} again opens it");
+    }
+}

@@ -518,3 +518,20 @@ fn the_presenters_window_rests_but_for_its_clock() {
     // Two frames of 60 in a second are nearer together.
     assert!(rest.is_some_and(|rest| rest >= Duration::from_millis(40)), "{rest:?}");
 }
+
+#[test]
+fn a_clicker_blanks_the_full_screen_and_the_next_key_only_shows_it_again() {
+    for key in [Key::Period, Key::B] {
+        let mut window = Window::usual();
+        window.command(Command::Present);
+        let (frame, at) = (window.app().document().frame(), window.cursor());
+        window.key(key);
+        assert!(window.app().presentation().is_blank, "{key:?} blanks");
+        assert!(window.app().document().side_by_side().is_empty(), "{key:?} starts no lockstep");
+        window.key(Key::PageDown);
+        assert!(!window.app().presentation().is_blank);
+        assert_eq!((window.app().document().frame(), window.cursor()), (frame, at), "the key does nothing else");
+        window.key(Key::PageDown);
+        assert_ne!(window.cursor(), at);
+    }
+}

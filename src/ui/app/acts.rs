@@ -6,6 +6,7 @@ use motionscope_core::{AnyEstimator, Cursor, Direction, Error, Move, Params, est
 
 use crate::experiment::comparison::Row;
 use crate::experiment::side_by_side::{Companion, SideBySide};
+use crate::experiment::unplaced;
 use crate::paint::{FlowLayer, Phase, Theme, View};
 use crate::ui::app::action::Action;
 use crate::ui::app::commands::{Command, Menu};
@@ -200,7 +201,7 @@ impl App {
                 self.ctx.send_viewport_cmd(ViewportCommand::Fullscreen(!now));
             }
             C::Predict => self.toggle_predict(),
-            C::Pen | C::NextPenColor | C::ClearInk | C::Pointer | C::Loupe => self.present(command),
+            C::Pen | C::NextPenColor | C::ClearInk | C::Pointer | C::Loupe | C::Blank => self.present(command),
             C::Present | C::PresenterWindow => self.present(command),
             C::ReducedMotion => self.settings.reduced_motion = !self.settings.reduced_motion,
             C::Play => self.toggle_play(Direction::Forward),
@@ -403,8 +404,22 @@ impl App {
                 self.document.choose(changed_alike(self.document.estimator(), chosen));
                 self.suit_view(was_single);
                 self.restart_from(was_by_frame);
+                self.ask_for_region();
             }
             Err(error) => self.toasts.fail(error.to_string()),
+        }
+    }
+
+    /// Asks for the region of an object where a tracker has taken one in the middle of the frame.
+    pub(super) fn ask_for_region(&mut self) {
+        let (estimator, frame) = (self.document.estimator(), self.document.frame());
+        let spec = self.document.clip().and_then(|clip| unplaced(estimator, clip, frame));
+        if let Some(spec) = spec {
+            self.toasts.hint(format!(
+                "No {} is placed on an object, so one in the middle of the frame is taken: choose Place beside the parameter and drag \
+                 one on the first frame.",
+                spec.label.to_lowercase()
+            ));
         }
     }
 

@@ -167,6 +167,8 @@ commands! {
     Pointer,
     /// The magnifying glass.
     Loupe,
+    /// Blank the screen of the class, or show it again.
+    Blank,
     /// The pen.
     Pen,
     /// The next colour of the pen.
@@ -401,7 +403,7 @@ impl Command {
             C::LargerInterface | C::SmallerInterface | C::NormalInterface => Some(Submenu::InterfaceSize),
             C::ShowParameters | C::ShowExplanation | C::ShowCharts | C::ResetLayout => Some(Submenu::Panes),
             C::EnlargeChart | C::NextChart | C::PreviousChart => Some(Submenu::Panes),
-            C::Present | C::PresenterWindow | C::Pointer | C::Loupe => Some(Submenu::Present),
+            C::Present | C::PresenterWindow | C::Pointer | C::Loupe | C::Blank => Some(Submenu::Present),
             C::Pen | C::NextPenColor | C::ClearInk => Some(Submenu::Present),
             _ => None,
         }
@@ -518,6 +520,7 @@ impl Command {
             C::Present | C::PresenterWindow | C::Pointer => !now.at_start_page,
             C::Lecture | C::FullScreen => true,
             C::Pen | C::Loupe => now.has_run,
+            C::Blank => now.is_presenting,
             C::NextPenColor => now.is_drawing,
             C::ClearInk => now.has_ink,
             C::ReducedMotion | C::ResetLayout | C::Slower | C::Faster => true,
@@ -609,6 +612,8 @@ pub struct Situation {
     pub is_pointing: bool,
     /// Stage, chart and caption are shown alone.
     pub is_presenting: bool,
+    /// The screen of the class is black.
+    pub is_blank: bool,
     /// Which layers tell of motion.
     pub available: AvailableLayers,
     /// There is a change to take back.

@@ -13,7 +13,7 @@ use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, estimator};
 
 use crate::experiment::first;
 use crate::experiment::source::Source;
-use crate::experiment::{Experiment, Position};
+use crate::experiment::{Experiment, Position, is_of_pair, told_of_pair};
 use crate::media::camera::is_unsaved;
 use crate::media::export;
 use crate::media::{Given, Open};
@@ -290,6 +290,7 @@ impl App {
             let is_blank = self.document.clip().is_some_and(Clip::is_blank);
             if !self.go_on(Cursor { unit: 0, event: usize::from(is_blank) }) {
                 self.begin_where_known(first_known);
+                self.ask_for_region();
             }
             return;
         };
@@ -325,13 +326,9 @@ impl App {
 
     /// Begins with the first pair whose true flow is known, and says so.
     fn begin_where_known(&mut self, first: Option<usize>) {
-        let by_pair = !self.document.estimator().is_by_frame() && !self.document.estimator().is_of_single_frames();
-        let Some(frame) = first.filter(|_| by_pair) else { return };
+        let Some(frame) = first.filter(|_| is_of_pair(self.document.estimator())) else { return };
         if self.document.go_to_frame(frame) {
-            self.toasts.tell(format!(
-                "The true flow is known for frames {frame} → {}: the run is on this pair. Choose another one under Clip.",
-                frame + 1
-            ));
+            self.toasts.tell(format!("{} Choose another one under Clip.", told_of_pair(frame)));
             self.walk_from(Place::default());
         }
     }

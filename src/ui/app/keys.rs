@@ -200,6 +200,21 @@ pub fn take(ctx: &egui::Context, overlaid: bool, now: &Situation, actions: &mut 
     // Also while something lies over the panes: a key that opened it is let go there.
     held.follow(ctx);
     ctx.data_mut(|data| data.insert_temp(Id::NULL, held.clone()));
+    if now.is_blank {
+        let is_press = |event: &Event| {
+            matches!(event, Event::Key { pressed: true, .. } | Event::PointerButton { pressed: true, .. })
+        };
+        // The key or click that shows the screen again does nothing else.
+        let is_called = ctx.input_mut(|input| {
+            let is_called = input.events.iter().any(is_press);
+            input.events.clear();
+            is_called
+        });
+        if is_called {
+            actions.command(Command::Blank);
+        }
+        return;
+    }
     let dropped = ctx.input(|i| i.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect::<Vec<_>>());
     if let Some(name) = dropped_clip(dropped) {
         actions.ask(Action::Open(name));
@@ -237,6 +252,12 @@ pub fn take(ctx: &egui::Context, overlaid: bool, now: &Situation, actions: &mut 
             }
             Event::Key { key, physical_key, pressed: true, repeat, modifiers } => {
                 let repeat = held.press(*physical_key, *repeat);
+                if now.is_presenting && blanks(*key, *modifiers) {
+                    if !repeat {
+                        actions.command(Command::Blank);
+                    }
+                    return false;
+                }
                 if let Some(chart) = chart_of(*key, *modifiers, now) {
                     actions.ask(Action::Chart(chart));
                     return false;
@@ -275,6 +296,11 @@ pub fn take(ctx: &egui::Context, overlaid: bool, now: &Situation, actions: &mut 
         // egui has taken the arrow for a wish to move the focus.
         ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None));
     }
+}
+
+/// Whether a key blanks the full screen for the class: a presenter's clicker sends a full stop or B.
+fn blanks(key: Key, modifiers: Modifiers) -> bool {
+    matches!(key, Key::Period | Key::B) && modifiers.is_none()
 }
 
 /// The chart that a digit shows to the class, counted from 0: there are no views to choose there.

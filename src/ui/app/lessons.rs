@@ -10,7 +10,7 @@ use crate::session::lesson::{Address, page_text};
 use crate::ui::app::action::Actions;
 use crate::ui::app::commands::Command;
 use crate::ui::app::window::{App, Overlay, Region};
-use crate::ui::model::lesson::{LOOK, OpenLesson};
+use crate::ui::model::lesson::OpenLesson;
 use crate::ui::model::paper::OfPage;
 use crate::ui::model::snapshot::Snapshot;
 use crate::ui::model::trail::Left;
@@ -28,7 +28,8 @@ impl App {
     fn open_page_at(&mut self, address: Address, at: Option<Cursor>, left: Option<Left>) {
         // What a page of the lesson before has set is not how the person looks at pictures.
         let look = self.lesson.as_ref().map_or(self.settings.look, |open| open.without_page(self.settings.look));
-        match OpenLesson::new(address, look) {
+        let ctx = self.ctx.clone();
+        match OpenLesson::new(address, look, move || ctx.request_repaint()) {
             Ok(open) => {
                 left.into_iter().for_each(|left| self.trail.leave(left));
                 match open.address().file() {
@@ -124,12 +125,25 @@ impl App {
             }
         }
         match open.is_at(way) {
-            // The last page stays with its step; the run goes on by larger steps.
-            true => is_step && way == Direction::Forward && session.is_some(),
+            true if way == Direction::Forward => {
+                self.end_lesson();
+                true
+            }
+            // The first page keeps the step that its words are about.
+            true => !is_step,
             false => {
                 self.turn_to(way, is_step);
                 true
             }
+        }
+    }
+
+    /// Says that the last page is through; the next step opens the lesson that follows.
+    fn end_lesson(&mut self) {
+        let Some(open) = &mut self.lesson else { return };
+        match open.next() {
+            Some(next) if open.is_over => self.open_page(Address::from(next)),
+            _ => open.is_over = true,
         }
     }
 
@@ -221,9 +235,7 @@ impl App {
             return;
         }
         let look = open.without_page(self.settings.look);
-        let followed = open.follow();
-        self.ctx.request_repaint_after(LOOK);
-        match followed {
+        match open.follow() {
             Ok(false) => {}
             Ok(true) => {
                 self.settings.look = look;

@@ -29,8 +29,9 @@ const DOT: f32 = 0.5;
 const HALO: f32 = 1.25;
 /// Height of the line that shows how far the run is.
 const PROGRESS_PT: f32 = 4.0;
-/// From one second of the clock to the next, and a little more: it is drawn once they are over.
-const TICK: Duration = Duration::from_millis(1050);
+/// A minute of the clock, which is drawn a little after it is over.
+const MINUTE: Duration = Duration::from_secs(60);
+const LATER: Duration = Duration::from_millis(50);
 /// Initial size of the presenter's window.
 const WINDOW: [f32; 2] = [760.0, 640.0];
 
@@ -45,6 +46,8 @@ pub struct Presentation {
     pub has_loupe: bool,
     /// Whether stage, chart and caption are shown alone, in full screen.
     pub is_on: bool,
+    /// Whether that screen is black.
+    pub is_blank: bool,
     /// The presenter's window, while it is open.
     pub presenter: Option<Presenter>,
 }
@@ -76,6 +79,10 @@ impl App {
                 self.presentation.is_pointing = !self.presentation.is_pointing;
                 self.presentation.pen.is_on = false;
             }
+            Command::Blank => {
+                self.presentation.is_blank = !self.presentation.is_blank;
+                self.player.pause();
+            }
             Command::Loupe => self.presentation.has_loupe = !self.presentation.has_loupe,
             Command::Pen => self.take_pen(),
             Command::NextPenColor => self.pen(PenWish::Color(self.presentation.pen.color.next())),
@@ -100,7 +107,7 @@ impl App {
     /// Shows stage, chart and caption alone, or everything again.
     fn toggle_full_screen(&mut self) {
         let is_on = !self.presentation.is_on;
-        self.presentation.is_on = is_on;
+        (self.presentation.is_on, self.presentation.is_blank) = (is_on, false);
         self.ctx.send_viewport_cmd(ViewportCommand::Fullscreen(is_on));
         if is_on {
             self.settings.close_drawer();
@@ -205,6 +212,15 @@ impl App {
         ctx.set_cursor_icon(egui::CursorIcon::None);
     }
 
+    /// Covers the window while the screen is blank.
+    pub(super) fn show_blank(&self, ctx: &egui::Context) {
+        if self.presentation.is_blank {
+            let painter = ctx.layer_painter(LayerId::new(Order::Debug, Id::unique("blank")));
+            painter.rect_filled(ctx.content_rect(), 0.0, style::color(Color::BLACK));
+            ctx.set_cursor_icon(egui::CursorIcon::None);
+        }
+    }
+
     /// Where the class looks.
     fn shown_regions(&self) -> impl Iterator<Item = Rect> {
         let of = [Region::Stage, Region::Chart, Region::Strip, Region::Explanation, Region::Lesson];
@@ -232,14 +248,14 @@ impl App {
             shown: self.view.shown.as_deref(),
             coming: self.coming(&open.upcoming),
             predict: &self.predict,
-            seconds: elapsed.as_secs(),
+            minutes: elapsed.as_secs() / MINUTE.as_secs(),
             theme: self.settings.look.theme,
         };
         let overlaid = !matches!(self.overlay, Overlay::None);
         let builder = ViewportBuilder::default().with_title("Motionscope – presenter").with_inner_size(WINDOW);
         let response = ctx.show_viewport_immediate(viewport(), builder, |ui, class| {
-            // The time goes on once a second, and nothing else moves by itself.
-            ui.ctx().request_repaint_after(TICK - Duration::from_nanos(elapsed.subsec_nanos().into()));
+            // The time goes on once a minute, and nothing else moves by itself.
+            ui.ctx().request_repaint_after(until_next_minute(elapsed));
             if class == ViewportClass::EmbeddedWindow {
                 return presenter::show(ui, &input, actions);
             }
@@ -293,6 +309,13 @@ fn found(next: Result<Option<Next>, Error>) -> Coming {
         Ok(None) => Coming::End,
         Err(why) => Coming::Failed(why),
     }
+}
+
+/// The time until the clock shows another minute.
+fn until_next_minute(elapsed: Duration) -> Duration {
+    let over =
+        Duration::from_secs(elapsed.as_secs() % MINUTE.as_secs()) + Duration::from_nanos(elapsed.subsec_nanos().into());
+    MINUTE - over + LATER
 }
 
 fn viewport() -> ViewportId {

@@ -195,6 +195,11 @@ impl App {
         &self.document
     }
 
+    /// What the run is presented with.
+    pub fn presentation(&self) -> &Presentation {
+        &self.presentation
+    }
+
     /// What the walker shows and does.
     pub fn view(&self) -> &View {
         &self.view
@@ -334,6 +339,7 @@ impl App {
             has_loupe: self.presentation.has_loupe,
             is_pointing: self.presentation.is_pointing,
             is_presenting: self.presentation.is_on,
+            is_blank: self.presentation.is_blank,
             is_tuned: self.document.is_tuned(Owner::Estimator),
             asks: self.predict.is_on(),
             is_asked: self.predict.open().is_some(),
@@ -618,16 +624,17 @@ impl App {
         self.regions.iter().find(|(region, _)| *region == of).map(|(_, rect)| *rect)
     }
 
-    /// The lower left corner of messages, and their width. They lie over no words and no chart: on the stage, above its legend, or else
-    /// above the sentence or the transport.
+    /// The lower left corner of messages, and their width. They lie over no picture: on the chart, which is seen again when they go, or
+    /// else on the words beside the stage, or above the strip or the transport.
     fn place_of_messages(&self, content: egui::Rect) -> (egui::Pos2, f32) {
         let gap = egui::vec2(12.0, -8.0);
-        let legend = 1.6 * self.settings.look.theme.sizes().body;
-        if let Some(stage) = self.region(Region::Stage) {
-            return (stage.left_bottom() - egui::vec2(0.0, legend) + gap, stage.width() - 2.0 * gap.x);
+        let beside =
+            [Region::Chart, Region::Explanation, Region::Lesson].into_iter().find_map(|region| self.region(region));
+        if let Some(beside) = beside {
+            return (beside.left_bottom() + gap, beside.width() - 2.0 * gap.x);
         }
         let below = [Region::Strip, Region::Transport].into_iter().find_map(|region| self.region(region));
-        (below.map_or(content.left_bottom(), |below| below.left_top()) + gap, content.width() - 2.0 * gap.x)
+        (below.map_or(content.left_bottom(), |below| below.left_bottom()) + gap, content.width() - 2.0 * gap.x)
     }
 
     /// Says that what is held over the window can be dropped.
@@ -672,6 +679,7 @@ impl eframe::App for App {
         self.toasts.show(&ctx, place, self.settings.look.theme);
         self.drop_hint(ui);
         self.show_pointer(&ctx);
+        self.show_blank(&ctx);
         for action in actions.0 {
             self.act(action);
         }

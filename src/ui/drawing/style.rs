@@ -180,6 +180,8 @@ fn visuals(theme: Theme) -> egui::Visuals {
     visuals.indent_has_left_vline = false;
     visuals.interact_cursor = Some(egui::CursorIcon::PointingHand);
     visuals.text_cursor.stroke = Stroke::new(2.0, accent);
+    // A blinking cursor would draw the whole window anew twice a second.
+    visuals.text_cursor.blink = false;
     visuals.disabled_alpha = 0.4;
     visuals
 }

@@ -1,51 +1,48 @@
 //! The lesson that is open, and the page of it.
 
-use std::path::Path;
-use std::time::{Duration, Instant, SystemTime};
-
 use motionscope_core::{Cursor, Direction, Error};
 
 use crate::paint::charts::prose::Prose;
-use crate::session::lesson::{Address, Lesson, Page};
+use crate::session::lesson::{Address, Lesson, Page, bundled};
+use crate::ui::model::watch::Watch;
 use crate::view::look::Look;
-
-/// How often the file of a lesson is looked at, for one that is being written.
-pub const LOOK: Duration = Duration::from_secs(1);
 
 /// A lesson that is open.
 pub struct OpenLesson {
     lesson: Lesson,
     /// Its name, and the page.
     address: Address,
-    /// When its file was written, and when that was looked up.
-    written: Option<SystemTime>,
-    looked: Instant,
+    /// Notices that its file is written, for one that is being written.
+    watch: Option<Watch>,
     /// How pictures looked before the first page.
     look: Look,
     /// Where the run is to stand on the page, and whether it does.
     landing: Cursor,
     has_arrived: bool,
+    /// Whether the last page is through, so that the next step opens the next lesson.
+    pub is_over: bool,
     /// Whether the teacher's notes are shown.
     pub has_notes: bool,
 }
 
 impl OpenLesson {
-    /// Opens the lesson at a page, over pictures that look so.
+    /// Opens the lesson at a page, over pictures that look so; `wake` is called when its file is written.
     ///
     /// # Errors
     /// If there is no such lesson or page, or its file cannot be read.
-    pub fn new(address: Address, look: Look) -> Result<Self, Error> {
+    pub fn new(address: Address, look: Look, wake: impl Fn() + Send + 'static) -> Result<Self, Error> {
         let lesson = address.load()?;
         lesson.page(address.page)?;
-        let written = address.file().and_then(written);
+        // Without a thread to spare, the lesson is just not read anew.
+        let watch = address.file().and_then(|path| Watch::new(path.to_owned(), wake).ok());
         Ok(Self {
             lesson,
             address,
-            written,
-            looked: Instant::now(),
+            watch,
             look,
             landing: Cursor::default(),
             has_arrived: false,
+            is_over: false,
             has_notes: false,
         })
     }
@@ -89,6 +86,7 @@ impl OpenLesson {
 
     /// Says where the run is to stand on the page that was turned to.
     pub fn lands_at(&mut self, cursor: Cursor) {
+        self.is_over = false;
         (self.landing, self.has_arrived) = (cursor, false);
     }
 
@@ -123,18 +121,25 @@ impl OpenLesson {
         self.page().session.as_ref().map_or(look, |session| session.look.undone(look, self.look))
     }
 
-    /// Reads the lesson anew if its file was written since, at most once a second; gives whether its page has changed.
+    /// The lesson that follows in the course, if this is a bundled one with a successor.
+    pub fn next(&self) -> Option<&'static Lesson> {
+        let mut after = bundled::all().iter().skip_while(|lesson| Address::from(*lesson).lesson != self.address.lesson);
+        after.nth(1)
+    }
+
+    /// Reads the lesson anew if its file was written since; gives whether its page has changed.
     ///
     /// # Errors
     /// If it cannot be read any more; the old one stays.
     pub fn follow(&mut self) -> Result<bool, Error> {
-        let Some(path) = self.address.file().filter(|_| self.looked.elapsed() >= LOOK) else { return Ok(false) };
-        self.looked = Instant::now();
-        let now = written(path);
-        if now.is_none() || now == self.written {
+        if !self.watch.as_ref().is_some_and(Watch::take) {
             return Ok(false);
         }
-        self.written = now;
+        self.read_anew()
+    }
+
+    fn read_anew(&mut self) -> Result<bool, Error> {
+        let Some(path) = self.address.file() else { return Ok(false) };
         let lesson = Lesson::load(path)?;
         let before = self.page().session.clone().ok();
         self.address.page = self.address.page.min(lesson.pages.len() - 1);
@@ -143,12 +148,10 @@ impl OpenLesson {
     }
 }
 
-fn written(path: &Path) -> Option<SystemTime> {
-    path.metadata().and_then(|data| data.modified()).ok()
-}
-
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
 
     const TEXT: &str = "# Title\n+++\ntitle = \"One\"\nclip = \"synth:pillar\"\nestimator = \"full-search\"\nstep = \"2.0\"\n\
@@ -156,7 +159,7 @@ mod tests {
 
     fn open(path: &Path) -> OpenLesson {
         let address = Address::parse(path.as_os_str()).expect("a lesson");
-        OpenLesson::new(address, Look::default()).unwrap_or_else(|why| panic!("{why}"))
+        OpenLesson::new(address, Look::default(), || {}).unwrap_or_else(|why| panic!("{why}"))
     }
 
     #[test]
@@ -185,17 +188,14 @@ mod tests {
         std::fs::write(&path, TEXT).expect("a file");
         let mut open = open(&path);
         open.turn(Direction::Forward);
-        let rewrite = |open: &mut OpenLesson, text: &str, secs: u64| {
+        let rewrite = |open: &mut OpenLesson, text: &str| {
             std::fs::write(&path, text).expect("a file");
-            let later = SystemTime::now() + Duration::from_secs(secs);
-            std::fs::File::options().write(true).open(&path).expect("a file").set_modified(later).expect("a time");
-            open.looked -= LOOK;
-            open.follow()
+            open.read_anew()
         };
-        assert_eq!(rewrite(&mut open, &TEXT.replace("Two.", "Three."), 5).ok(), Some(false), "its words alone");
+        assert_eq!(rewrite(&mut open, &TEXT.replace("Two.", "Three.")).ok(), Some(false), "its words alone");
         assert_eq!(open.words().map(Prose::plain).ok().as_deref(), Some("Three."));
-        assert_eq!(rewrite(&mut open, &TEXT.replace("\"2.0\"", "\"4.0\""), 10).ok(), Some(true));
-        assert!(rewrite(&mut open, "nothing", 15).is_err());
+        assert_eq!(rewrite(&mut open, &TEXT.replace("\"2.0\"", "\"4.0\"")).ok(), Some(true));
+        assert!(rewrite(&mut open, "nothing").is_err());
         assert_eq!(open.page().title, "Two", "the old one stays");
     }
 }

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use motionscope_core::{Clip, Error};
 
 use super::background::Background;
+use crate::experiment;
 use crate::experiment::source::Source;
 use crate::media::export::{InputKind, Inputs};
 use crate::media::{self, Given, Open, Progress, RightView};
@@ -104,21 +105,8 @@ fn opened(named: Named, written: Option<&Path>, progress: Arc<dyn Progress>) -> 
     if let Some(file) = written {
         inputs.add(InputKind::Session, file);
     }
-    let first_known = first_known(&clip, &*control);
+    let first_known = experiment::first_known_pair(&clip, || !control.cancelled());
     Ok(Opened { clip, source, given, session, inputs, first_known })
-}
-
-/// Pairs of frames whose truth is looked for.
-const MOST_PAIRS: usize = 1000;
-
-/// The first pair of frames whose true flow is known, if there is one and it is not the first of the clip.
-fn first_known(clip: &Clip, progress: &dyn Progress) -> Option<usize> {
-    let truth = clip.truth().filter(|truth| truth.kinds().contains(&"flow"))?;
-    let pairs = clip.info().frames.unwrap_or(0).saturating_sub(1).min(MOST_PAIRS);
-    // What cannot be read is told where it is needed.
-    let is_known = |t: &usize| truth.flow(*t).map_or(true, |flow| flow.is_some());
-    let first = (0..pairs).take_while(|_| !progress.cancelled()).find(is_known)?;
-    (first > 0).then_some(first)
 }
 
 #[cfg(test)]

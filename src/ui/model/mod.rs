@@ -20,4 +20,5 @@ pub mod snapshot;
 pub mod trail;
 pub mod upcoming;
 pub mod walker;
+pub mod watch;
 pub mod writer;

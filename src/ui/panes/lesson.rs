@@ -199,6 +199,11 @@ fn footer_row(ui: &mut Ui, (open, has_notes): (&mut OpenLesson, bool), actions: 
     if way(ui, Command::NextPage, !open.is_at(Direction::Forward)) {
         actions.command(Command::NextPage);
     }
+    if open.is_over {
+        let ending =
+            open.next().map_or_else(|| "End of the lesson".to_owned(), |next| format!("→ again: {}", next.title));
+        ui.label(RichText::new(ending).strong());
+    }
     if has_notes && !open.page().notes.is_empty() {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let notes = Button::new(RichText::new("Notes").small()).selected(open.has_notes);

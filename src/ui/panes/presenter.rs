@@ -43,8 +43,8 @@ pub struct Input<'a> {
     pub coming: Coming,
     /// The question about that step, if one is open.
     pub predict: &'a Predict,
-    /// For how long the window is open, in seconds.
-    pub seconds: u64,
+    /// For how long the window is open, in minutes.
+    pub minutes: u64,
     /// The theme of both windows.
     pub theme: Theme,
 }
@@ -125,7 +125,7 @@ fn head(ui: &mut Ui, input: &Input<'_>, response: &mut Response) {
         if widgets::cross(ui, "Close presenter's window").clicked() {
             response.closes = true;
         }
-        let time = RichText::new(clock(input.seconds)).font(FontId::monospace(1.25 * large));
+        let time = RichText::new(clock(input.minutes)).font(FontId::monospace(1.25 * large));
         let time = ui.add(Button::new(time).frame(false)).on_hover_text("Restart the clock");
         time.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, "Restart the clock"));
         response.restarts = time.clicked();
@@ -137,10 +137,10 @@ fn head(ui: &mut Ui, input: &Input<'_>, response: &mut Response) {
     });
 }
 
-/// Minutes and seconds, from an hour on with hours.
-fn clock(seconds: u64) -> String {
-    let (hours, minutes, seconds) = (seconds / 3600, seconds / 60 % 60, seconds % 60);
-    if hours > 0 { format!("{hours}:{minutes:02}:{seconds:02}") } else { format!("{minutes}:{seconds:02}") }
+/// Minutes, from an hour on with hours.
+fn clock(minutes: u64) -> String {
+    let (hours, minutes) = (minutes / 60, minutes % 60);
+    if hours > 0 { format!("{hours} h {minutes:02} min") } else { format!("{minutes} min") }
 }
 
 /// The sentence of the step that the class sees, and of the one after it.

@@ -365,6 +365,13 @@ impl Command {
                 "Show the part of the picture under the pointer three times as large, with its marks and its ink.",
                 const { &[key(Key::Z)] },
             ),
+            C::Blank => (
+                Menu::View,
+                Icon::Square,
+                "Blank screen",
+                "Blank the full screen for the class. The next key or click shows it again. A clicker sends . or B.",
+                &[],
+            ),
             C::Pen => (
                 Menu::View,
                 Icon::Pen,
