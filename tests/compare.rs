@@ -199,9 +199,9 @@ fn the_courses_table_is_measured_cell_by_cell() {
     let pan = figures("large motion: blocks");
     assert_eq!(holds("large motion: blocks", "Better than sequential"), pan[1] > pan[0] && pan[1] < 90.0, "{pan:?}");
     let db = figures("accuracy: PSNR");
-    assert_eq!(holds("accuracy: PSNR", "more accurate"), db[2] > db[0], "{db:?}");
+    assert_eq!(holds("accuracy: PSNR", "more accurate"), db[2] > db[0] + 0.1, "{db:?}");
     let error = figures("accuracy: mean endpoint error");
-    assert_eq!(holds("accuracy: mean endpoint error", "improving accuracy"), error[2] < error[0], "{error:?}");
+    assert_eq!(holds("accuracy: mean endpoint error", "improving accuracy"), error[2] < 0.95 * error[0], "{error:?}");
     for feature in ["search space", "complexity", "large motion: candidates", "memory"] {
         assert_eq!(row(feature)["verdict"], "holds", "{feature}");
     }

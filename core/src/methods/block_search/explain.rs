@@ -3,6 +3,7 @@
 use super::probe::Probe;
 use super::subpixel::has_lowest;
 use super::true_motion::CLOSE_PX;
+use super::whole_window::WholeWindow;
 use super::{Cost, Event, Fit, Match, Skipped, Stage, Subpixel, shorter};
 use crate::base::words::{cost, counted, fixed, gray, grouped};
 use crate::methods::cost::bounds::Parts;
@@ -183,8 +184,8 @@ impl Probe<'_> {
         let surface = self.full_search();
         // What was found at a sub-pixel position lies beside the minimum of its whole pixels.
         let whole = surface.cost(found.displacement).unwrap_or(found.cost);
-        if surface.least.cost < whole && found.fraction == [0.0; 2] {
-            return self.miss(found, surface.least);
+        if surface.least.cost < whole.min(found.cost) {
+            return self.miss(found, &surface);
         }
         let ties = surface.ties(found.displacement);
         if !ties.is_empty() && ties.len() + 1 == self.window.count() {
@@ -250,19 +251,20 @@ impl Probe<'_> {
     }
 
     /// A lower cost was left out: where it is, and why it was not tested.
-    fn miss(&self, found: Match, least: Match) -> String {
+    fn miss(&self, found: Match, surface: &WholeWindow) -> String {
+        let least = surface.least;
         let mean = sentence_of(&self.difference_per_pixel(found).0);
         let (cost, at) = (self.settings.show(least.cost), vector(least.vector()));
         if !self.is_refinement {
             return format!("Full search finds {cost} at {at}: the global minimum is missed.{mean}");
         }
-        // A lower cost elsewhere is no error of the coarser level where the match is the true motion.
+        // The coarser level is to blame where a test would have helped: the true displacement costs less than the match.
         let cause = match self.true_error(found) {
-            Some((_, off)) if off < CLOSE_PX => "",
-            _ if self.is_explained(found) => "",
-            _ => {
+            Some((truth, off)) if off >= CLOSE_PX && self.costs_less(truth, found, surface) => {
                 " The coarser level led elsewhere, and an error of a coarser level stays. Smaller blocks or fewer levels avoid it."
             }
+            Some(_) => "",
+            None => " The coarser level may have led elsewhere; smaller blocks or fewer levels would tell.",
         };
         format!(
             "The global minimum, {cost} at {at}, was not tested: refinement stays near the motion vectors of the coarser \

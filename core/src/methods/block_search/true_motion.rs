@@ -4,6 +4,7 @@ use std::cmp::Ordering;
 
 use super::explain::vector;
 use super::probe::Probe;
+use super::whole_window::WholeWindow;
 use super::{Displacement, Match};
 use crate::base::words::fine;
 
@@ -66,6 +67,14 @@ impl Probe<'_> {
                 ),
                 _ => format!(" The true displacement{place} costs more, {shown}."),
             },
+        }
+    }
+
+    /// Whether the true displacement is a candidate that costs less than the match, so that a test would have found it.
+    pub(super) fn costs_less(&self, truth: [f32; 2], found: Match, surface: &WholeWindow) -> bool {
+        match self.standing(truth) {
+            Standing::Candidate(at) => surface.cost(at).is_some_and(|cost| cost < found.cost),
+            Standing::BeyondRange | Standing::OutsidePicture => false,
         }
     }
 
