@@ -277,7 +277,7 @@ fn success_is_the_area_under_the_plot() {
     let overlaps = [1.0, 0.82, 0.5, 0.31, 0.0, 0.0, 0.64, 0.0];
     let error = |overlap| {
         let truth = Bounds::around([0.0; 2], [1.0; 2]);
-        RegionError { frame: 1, truth, bounds: truth, overlap, center_px: 0.0 }
+        RegionError { frame: 1, truth, bounds: truth, overlap, center_px: 0.0, is_lost: false }
     };
     let errors: Vec<_> = overlaps.into_iter().map(error).collect();
     // Fine steps: the area under the share of frames above a threshold is the mean overlap, which the 21 thresholds come near.

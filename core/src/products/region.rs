@@ -86,6 +86,15 @@ pub struct RegionError {
     pub overlap: f64,
     /// Distance of their centres in px.
     pub center_px: f64,
+    /// Whether the tracker reports the object as lost there: the region is only where it was last.
+    pub is_lost: bool,
+}
+
+impl RegionError {
+    /// The overlap that counts: a region that the tracker itself disowns has none.
+    pub fn scored_overlap(&self) -> f64 {
+        if self.is_lost { 0.0 } else { self.overlap }
+    }
 }
 
 /// The scores of all frames (Wu, Lim and Yang 2013).
@@ -99,7 +108,7 @@ pub struct RegionScores {
     pub success: f64,
     /// Share of the frames with a centre error of at most [`NEAR_PX`].
     pub precision: f64,
-    /// Mean centre error in px.
+    /// Mean centre error in px over the frames in which the object is not reported as lost; NaN without any.
     pub center_px: f64,
     /// How often the overlap fell to 0.
     pub failures: usize,
@@ -116,9 +125,12 @@ const OWN: [Measure; 2] = [
 ];
 
 const SCORES: [Measure; 6] = [
-    Measure::new("mean_overlap", "Mean intersection over union with the true box.")
-        .in_column("mean IoU", 3)
-        .against_truth(),
+    Measure::new(
+        "mean_overlap",
+        "Mean intersection over union with the true box; 0 in frames in which the object is reported as lost.",
+    )
+    .in_column("mean IoU", 3)
+    .against_truth(),
     Measure::new(
         "success_auc",
         "Area under the success curve: the mean share of frames whose overlap exceeds a threshold of 0 to 1.",
@@ -126,8 +138,11 @@ const SCORES: [Measure; 6] = [
     .in_column("success", 3),
     Measure::new("precision_20_px", "Share of the frames with a centre error of at most 20 px.")
         .in_column("precision", 3),
-    Measure::new("center_error_px", "Mean distance of the centre from that of the true box in px.")
-        .in_column("centre error px", 2),
+    Measure::new(
+        "center_error_px",
+        "Mean distance of the centre from that of the true box in px, where the object is not reported as lost.",
+    )
+    .in_column("centre error px", 2),
     Measure::new("failures", "How often the overlap with the true box fell to 0.").in_column("failures", 0),
     Measure::new("judged_frames", "Frames with a true box that is at least partly visible, without the first."),
 ];
@@ -152,7 +167,7 @@ impl RegionField {
         let t = self.first + index;
         let objects = truth.objects(t)?.unwrap_or_default();
         let visible = objects.iter().find(|object| object.id == id && object.visibility > 0.0);
-        Ok(visible.zip(self.frames.get(index)).map(|(object, frame)| error(t, frame.region, object.into())))
+        Ok(visible.zip(self.frames.get(index)).map(|(object, frame)| error(t, frame, object.into())))
     }
 
     /// The region as a track of one object, with the same boxes in each frame.
@@ -177,10 +192,17 @@ impl RegionField {
     }
 }
 
-fn error(frame: usize, region: Region, truth: Bounds) -> RegionError {
+fn error(frame: usize, RegionFrame { region, is_lost, .. }: &RegionFrame, truth: Bounds) -> RegionError {
     let (bounds, at) = (region.bounds(), truth.center());
     let off = [0, 1].map(|i| f64::from(region.center[i] - at[i]));
-    RegionError { frame, truth, bounds, overlap: bounds.iou(&truth).into(), center_px: off[0].hypot(off[1]) }
+    RegionError {
+        frame,
+        truth,
+        bounds,
+        overlap: bounds.iou(&truth).into(),
+        center_px: off[0].hypot(off[1]),
+        is_lost: *is_lost,
+    }
 }
 
 /// The area of the box around a region as a multiple of that of the true box.
@@ -203,15 +225,16 @@ impl RegionScores {
         }
         let mean = |of: &dyn Fn(&RegionError) -> f64| errors.iter().map(of).sum::<f64>() / errors.len() as f64;
         let curve = success(errors);
+        let held: Vec<f64> = errors.iter().filter(|error| !error.is_lost).map(|error| error.center_px).collect();
         // It starts on the object.
         let overlaps = std::iter::once(1.0).chain(errors.iter().map(|error| error.overlap));
         let fell = |(before, now): &(f64, f64)| *before > 0.0 && *now == 0.0;
         Some(Self {
             frames: errors.len(),
-            overlap: mean(&|error| error.overlap),
+            overlap: mean(&RegionError::scored_overlap),
             success: curve.iter().map(|[_, share]| share).sum::<f64>() / curve.len() as f64,
-            precision: mean(&|error| f64::from(u8::from(error.center_px <= NEAR_PX))),
-            center_px: mean(&|error| error.center_px),
+            precision: mean(&|error| f64::from(u8::from(!error.is_lost && error.center_px <= NEAR_PX))),
+            center_px: held.iter().sum::<f64>() / held.len() as f64,
             failures: overlaps.clone().zip(overlaps.skip(1)).filter(fell).count(),
         })
     }
@@ -220,7 +243,7 @@ impl RegionScores {
 /// The success curve: for overlap thresholds from 0 to 1, the share of frames above them.
 pub fn success(errors: &[RegionError]) -> Vec<[f64; 2]> {
     let share = |threshold: f64| {
-        errors.iter().filter(|error| error.overlap > threshold).count() as f64 / errors.len().max(1) as f64
+        errors.iter().filter(|error| error.scored_overlap() > threshold).count() as f64 / errors.len().max(1) as f64
     };
     (0..=STEPS).map(|i| i as f64 / STEPS as f64).map(|threshold| [threshold, share(threshold)]).collect()
 }
@@ -295,7 +318,10 @@ fn told(of: RegionScores) -> Assessment {
         fact("Mean overlap (IoU)", format!("{overlap:.3} over {} frames", grouped(frames))),
         fact("Success (area under the curve)", format!("{success:.3}")),
         fact("Precision at 20 px", format!("{precision:.3}")),
-        fact("Mean centre error", format!("{center_px:.2} px")),
+        fact(
+            "Mean centre error",
+            if center_px.is_finite() { format!("{center_px:.2} px") } else { "undefined".into() },
+        ),
         fact("Failures", grouped(failures)),
     ];
     let headline = format!("mean overlap {overlap:.3}, success {success:.3}, precision {precision:.3} at 20 px");
@@ -310,11 +336,24 @@ mod tests {
         Bounds { min: [x, 0.0], max: [x + 10.0, 10.0] }
     }
 
+    fn found(bounds: Bounds) -> RegionFrame {
+        RegionFrame { region: bounds.into(), similarity: 1.0, is_lost: false }
+    }
+
+    #[test]
+    fn a_region_that_is_reported_as_lost_has_no_overlap() {
+        let lost = RegionFrame { is_lost: true, ..found(box_at(0.0)) };
+        let errors = [error(1, &found(box_at(0.0)), box_at(0.0)), error(2, &lost, box_at(0.0))];
+        let of = RegionScores::of(&errors).expect("frames");
+        assert_eq!((of.overlap, of.precision, of.center_px, of.failures), (0.5, 0.5, 0.0, 0));
+        assert!(RegionScores::of(&errors[1..]).is_some_and(|of| of.center_px.is_nan() && of.overlap == 0.0));
+    }
+
     #[test]
     fn scores_are_those_of_the_definition() {
         // Overlaps of 1, 1/3 and 0, and 0 again, which is one failure.
         let errors: Vec<_> =
-            [0.0, 5.0, 10.0, 40.0].map(|x| error(1, box_at(x).into(), box_at(0.0))).into_iter().collect();
+            [0.0, 5.0, 10.0, 40.0].map(|x| error(1, &found(box_at(x)), box_at(0.0))).into_iter().collect();
         let of = RegionScores::of(&errors).expect("frames");
         assert!((of.overlap - (1.0 + 1.0 / 3.0) / 4.0).abs() < 1e-6);
         assert_eq!((of.frames, of.failures, of.precision, of.center_px), (4, 1, 0.75, 13.75));
@@ -326,9 +365,9 @@ mod tests {
     #[test]
     fn an_overlap_is_told_apart_by_areas() {
         let large = Bounds { min: [-10.0, -10.0], max: [20.0, 20.0] };
-        let around = error(1, large.into(), box_at(0.0));
+        let around = error(1, &found(large), box_at(0.0));
         assert!((area_ratio(&around) - 9.0).abs() < 1e-6 && (covered(&around) - 1.0).abs() < 1e-6, "{around:?}");
-        let beside = error(1, box_at(7.0).into(), box_at(0.0));
+        let beside = error(1, &found(box_at(7.0)), box_at(0.0));
         assert!((area_ratio(&beside) - 1.0).abs() < 1e-6 && (covered(&beside) - 0.3).abs() < 1e-6, "{beside:?}");
     }
 

@@ -56,7 +56,10 @@ pub(crate) fn beside(subject: &Subject) -> Found {
     }
     if let Some(path) = objects {
         match tracks(&path) {
-            Ok(tracks) => files.objects = Some(Objects { path, tracks }),
+            Ok(tracks) => {
+                found.warnings.extend(tracks.warning.map(str::to_owned));
+                files.objects = Some(Objects { path, tracks });
+            }
             Err(why) => _ = accept(Err(why)),
         }
     }
@@ -72,11 +75,7 @@ pub(crate) fn beside(subject: &Subject) -> Found {
 fn tracks(path: &Path) -> Result<mot::Tracks, Error> {
     let text = mot::text(path)?;
     let is_named = REGIONS.iter().any(|name| file_name(path).eq_ignore_ascii_case(name));
-    if is_named || region::is_region(&text) {
-        region::of_text(path, &text).map(|objects| mot::Tracks { objects, ..mot::Tracks::default() })
-    } else {
-        mot::of_text(path, &text)
-    }
+    if is_named || region::is_region(&text) { region::of_text(path, &text) } else { mot::of_text(path, &text) }
 }
 
 /// Tells of results that lie where truth is looked for.

@@ -54,6 +54,8 @@ pub(super) struct Tracks {
     pub objects: BTreeMap<usize, Vec<ObjectBox>>,
     /// The boxes of what the benchmark does not score: a track that matches one is no false alarm.
     pub ignored: BTreeMap<usize, Vec<ObjectBox>>,
+    /// What is not taken over as it is in the file.
+    pub warning: Option<&'static str>,
 }
 
 /// The detections in the table at `path`, in its order.
@@ -181,7 +183,7 @@ mod tests {
     fn both_generations_are_read() {
         let frames =
             objects("1,2,399,182,121,229,1,-1,-1,-1\n1,1,1,1,4,4,1\n\n2,1,2,1,4,4,1,1,0.25\n2,9,1,1,1,1,0,1,1\n");
-        let Tracks { objects: frames, ignored } = frames.unwrap();
+        let Tracks { objects: frames, ignored, .. } = frames.unwrap();
         assert_eq!(ignored[&1].len(), 1);
         let ids = |t| frames[&t].iter().map(|o: &ObjectBox| o.id).collect::<Vec<_>>();
         assert_eq!((ids(0), ids(1)), (vec![1, 2], vec![1]));
@@ -217,7 +219,7 @@ mod tests {
     #[test]
     fn what_the_benchmark_leaves_out_is_ignored() {
         let rows = "1,1,1,1,4,4,1,1,1\n1,2,9,1,4,4,1,7,1\n1,3,19,1,4,4,0,1,1\n1,4,29,1,4,4,1,3,1\n";
-        let Tracks { objects, ignored } = objects(rows).unwrap();
+        let Tracks { objects, ignored, .. } = objects(rows).unwrap();
         let ids = |boxes: &[ObjectBox]| boxes.iter().map(|object| object.id).collect::<Vec<_>>();
         assert_eq!((ids(&objects[&0]), ids(&ignored[&0])), (vec![1, 4], vec![2, 3]));
     }

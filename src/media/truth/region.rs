@@ -6,6 +6,7 @@ use std::path::Path;
 use motionscope_core::{Error, ObjectBox};
 
 use super::file_error;
+use super::mot::Tracks;
 use crate::media::table;
 
 /// Largest coordinate and size of a box in px; larger values are errors.
@@ -21,8 +22,23 @@ const ID: u32 = 1;
 ///
 /// # Errors
 /// A sentence that names the line if it cannot be understood.
-pub(super) fn of_text(path: &Path, text: &str) -> Result<BTreeMap<usize, Vec<ObjectBox>>, Error> {
-    boxes(text).map_err(|why| file_error(path, why))
+pub(super) fn of_text(path: &Path, text: &str) -> Result<Tracks, Error> {
+    let objects = boxes(text).map_err(|why| file_error(path, why))?;
+    let is_turned = table::rows(text).any(|(_, line)| is_turned(line));
+    let warning = is_turned.then_some("ground truth: rotated polygons are compared as the upright boxes around them");
+    Ok(Tracks { objects, warning, ..Tracks::default() })
+}
+
+/// Whether a line is a polygon that is no upright box.
+fn is_turned(line: &str) -> bool {
+    let numbers: Vec<f64> = table::cells(line).into_iter().filter_map(|cell| table::number(cell).ok()).collect();
+    let distinct = |first: usize| {
+        let mut all: Vec<u64> = numbers.iter().skip(first).step_by(2).map(|number| number.to_bits()).collect();
+        all.sort_unstable();
+        all.dedup();
+        all.len()
+    };
+    numbers.len() == 8 && (distinct(0) > 2 || distinct(1) > 2)
 }
 
 /// Whether the table in a text has a region in its first line.
@@ -113,6 +129,13 @@ mod tests {
             assert!(told.starts_with("line 2: ") && told.contains(why), "{line}: {told}");
         }
         assert!(boxes("0,0,0,0\n").is_err() && boxes("").is_err());
+    }
+
+    #[test]
+    fn rotated_polygons_are_warned_of() {
+        let warning = |text| of_text(Path::new("gt"), text).expect("regions").warning;
+        assert!(warning("10,2,14,4,12,9,8,7\n").is_some());
+        assert_eq!((warning("1,1,5,1,5,4,1,4\n"), warning("1,1,4,6\n")), (None, None));
     }
 
     #[test]

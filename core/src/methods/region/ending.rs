@@ -149,7 +149,14 @@ mod tests {
         let error = |(center, side): &([f32; 2], f32)| {
             let bounds = Bounds::around(*center, [*side; 2]);
             let overlap = f64::from(bounds.iou(&truth));
-            RegionError { frame: 1, truth, bounds: Region::from(bounds).bounds(), overlap, center_px: 0.0 }
+            RegionError {
+                frame: 1,
+                truth,
+                bounds: Region::from(bounds).bounds(),
+                overlap,
+                center_px: 0.0,
+                is_lost: false,
+            }
         };
         let errors: Vec<_> = regions.iter().map(error).collect();
         Ending::of(&vec![frame(false); regions.len() + 1], &errors).outcome
@@ -177,6 +184,7 @@ mod tests {
                 bounds: truth,
                 overlap: *overlap,
                 center_px: 0.0,
+                is_lost: false,
             };
             hidden(&all.iter().map(error).collect::<Vec<_>>())
         };
