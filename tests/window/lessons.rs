@@ -394,3 +394,13 @@ fn the_last_page_offers_the_next_lesson_and_keeps_its_step() {
         assert_eq!(page(&window), (1, all()[2].pages.len()), "{key:?} again opens it");
     }
 }
+
+#[test]
+fn a_page_that_says_predict_asks() {
+    for lesson in all() {
+        for page in &lesson.pages {
+            let words = page.words.as_ref().map(|words| words.plain()).unwrap_or_default();
+            assert!(page.predicts || !words.contains("Predict:"), "{}: {}", lesson.title, page.title);
+        }
+    }
+}

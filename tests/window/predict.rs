@@ -428,3 +428,37 @@ fn a_number_is_typed() {
     let verdict = window.app().predict().last().and_then(|open| open.verdict()).expect("it is revealed");
     assert_eq!(verdict.guesses, 1);
 }
+
+#[test]
+fn undo_during_a_question_takes_only_the_question_back() {
+    let mut window = Window::usual();
+    window.command(Command::Lockstep);
+    window.command(Command::Lockstep);
+    assert!(window.app().document().side_by_side().is_empty(), "the lockstep was left");
+    window.command(Command::Predict);
+    for _ in 0..40 {
+        if window.app().predict().open().is_some() {
+            break;
+        }
+        window.key(Key::ArrowRight);
+        window.key(Key::ArrowRight);
+    }
+    assert!(window.app().predict().open().is_some(), "a question is open");
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert!(window.app().predict().open().is_none());
+    assert!(window.app().document().side_by_side().is_empty(), "and stays left");
+}
+
+#[test]
+fn digits_before_a_question_do_not_change_the_view() {
+    let mut window = Window::usual();
+    window.command(Command::Predict);
+    let view = window.app().settings().look.view;
+    for key in [Key::Num1, Key::Num2, Key::Num4] {
+        window.key(key);
+        assert_eq!(window.app().settings().look.view, view, "{key:?}");
+    }
+    window.command(Command::Predict);
+    window.key(Key::Num2);
+    assert_ne!(window.app().settings().look.view, view, "without questions they choose it");
+}

@@ -242,7 +242,7 @@ pub fn take(ctx: &egui::Context, overlaid: bool, now: &Situation, actions: &mut 
                 false
             }
             Event::Key { key, physical_key, pressed: true, repeat, modifiers }
-                if (now.is_asked || now.is_answered && *key != Key::Enter)
+                if (now.is_asked || (now.is_answered || now.asks) && *key != Key::Enter)
                     && answer(physical_key.unwrap_or(*key), *modifiers).is_some() =>
             {
                 let is_held = held.press(*physical_key, *repeat);

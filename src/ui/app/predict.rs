@@ -62,6 +62,12 @@ impl App {
             }
             return is_early;
         }
+        if matches!(command, C::Undo | C::Redo) {
+            // What was set before the question stays as it is.
+            let before = self.predict.withdraw();
+            before.into_iter().for_each(|cursor| self.walker.go(Move::To(cursor)));
+            return true;
+        }
         let is_back = matches!(
             command,
             C::IntoBack | C::OverBack | C::OutBack | C::PreviousUnit | C::PreviousMark | C::PreviousAlike

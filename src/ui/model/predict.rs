@@ -33,6 +33,10 @@ pub struct Open {
     is_revealed: bool,
 }
 
+/// How often the same question is asked in a row, and how often it is passed over then.
+const ASKED_IN_A_ROW: usize = 3;
+const PAUSE: usize = 2;
+
 /// Whether results are held back, the question that is open, and what the class has scored.
 #[derive(Default)]
 pub struct Predict {
@@ -47,6 +51,8 @@ pub struct Predict {
     leaving: Option<(Arc<Snapshot>, Arc<Snapshot>)>,
     /// A run, and its references about which what is asked once was asked.
     known: Option<(Arc<Prepared>, Vec<[f32; 2]>)>,
+    /// The question that came up last, and how often it did so before in a row.
+    in_a_row: Option<(&'static Question, usize)>,
     scores: Vec<Score>,
 }
 
@@ -183,6 +189,7 @@ impl Predict {
         self.is_due = false;
         let is_forward = (before.cursor.unit, before.cursor.event) < (now.cursor.unit, now.cursor.event);
         let opened = is_forward.then(|| self.question_between(&before, &now)).flatten();
+        let opened = opened.filter(|(question, _)| self.takes_turn(question));
         self.last = Some(Arc::clone(&now));
         let Some((question, answer)) = opened else { return false };
         let open = Open::new(question, answer, before, now);
@@ -268,6 +275,16 @@ impl Predict {
         let questions = after.subject.experiment.estimator.questions().iter();
         let questions = questions.filter(|of| of.is_asked_in(after.cursor.unit) && !(of.once && is_known));
         asked(questions, shown(before), shown(after), turn)
+    }
+
+    /// Whether a question that comes up is asked: one that comes up again and again pauses after some times.
+    fn takes_turn(&mut self, question: &'static Question) -> bool {
+        let before = match self.in_a_row {
+            Some((last, before)) if std::ptr::eq(last, question) => before + 1,
+            _ => 0,
+        };
+        self.in_a_row = Some((question, before));
+        before % (ASKED_IN_A_ROW + PAUSE) < ASKED_IN_A_ROW
     }
 
     /// Closes the question without its answer; returns the step that the run is to go back to.
