@@ -21,6 +21,7 @@ mod stereo;
 mod stills;
 pub(crate) mod table;
 pub mod temporary;
+mod tiff;
 mod truth;
 mod unsupported;
 mod video;

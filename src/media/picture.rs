@@ -5,9 +5,10 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
-use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
+use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use motionscope_core::{Error, Frame, Grid};
 
+use super::tiff::{self, Page, Paged};
 use super::{MAX_AREA_PX, MAX_SIDE_PX, cannot_read, check_size, reason};
 
 /// An image whose header was read but not its pixels.
@@ -28,11 +29,21 @@ const JPEG: &[u8] = &[0xFF, 0xD8, 0xFF];
 /// # Errors
 /// A sentence, without the file's name, if it is no picture or its header claims an impossible size.
 pub(crate) fn open(path: &Path) -> Result<Picture<impl ImageDecoder + use<>>, Error> {
+    open_page(path, None)
+}
+
+/// As [`open`], for the page of a TIFF whose directory is at `page`, or the first.
+///
+/// # Errors
+/// As [`open`].
+pub(crate) fn open_page(path: &Path, page: Option<u32>) -> Result<Picture<impl ImageDecoder + use<>>, Error> {
     let mut file = File::open(path).map_err(|e| cannot_read(&e))?;
     if is_cut_jpeg(&mut file).map_err(|e| cannot_read(&e))? {
         return Err(Error::new(CUT_SHORT));
     }
-    read(BufReader::new(file))
+    let unreadable = unreadable(&mut file).map_err(|e| cannot_read(&e))?;
+    unreadable.map_or(Ok(()), Err)?;
+    read(BufReader::new(Paged::new(file, page).map_err(|e| cannot_read(&e))?))
 }
 
 /// Returns width and height in px of the image at `path`, after applying the orientation, from its header.
@@ -64,6 +75,57 @@ fn is_cut_jpeg(file: &mut File) -> io::Result<bool> {
     Ok(is_jpeg && !tail.windows(2).any(|mark| mark == [0xFF, 0xD9]))
 }
 
+/// The pages of the TIFF at `path` that show the same as its first one at other times: those of its size. None if it is no TIFF.
+pub(crate) fn pages(path: &Path) -> Vec<Page> {
+    let mut pages = File::open(path).map(|mut file| tiff::pages(&mut file)).unwrap_or_default();
+    let size = pages.first().map(|page| page.size);
+    pages.retain(|page| Some(page.size) == size && !page.is_auxiliary);
+    pages
+}
+
+/// The error about a variant that the decoders do not know: BigTIFF, floating-point numbers, processes of JPEG.
+fn unreadable(file: &mut File) -> io::Result<Option<Error>> {
+    /// Enough for thumbnails and colour profiles before the frame header.
+    const HEAD_BYTES: u64 = 1 << 20;
+    let mut head = Vec::new();
+    file.by_ref().take(4).read_to_end(&mut head)?;
+    if tiff::is_big(&head) {
+        let why = "it is a BigTIFF, which cannot be read; save it as a plain TIFF, or its pages as PNG files";
+        return Ok(Some(Error::new(why)));
+    }
+    if tiff::first_page(file).is_some_and(|page| page.is_float) {
+        let why = "its samples are floating-point numbers, which cannot be read; save it with 8 or 16 bits per channel";
+        return Ok(Some(Error::new(why)));
+    }
+    if head.starts_with(JPEG) {
+        file.rewind()?;
+        head.clear();
+        file.by_ref().take(HEAD_BYTES).read_to_end(&mut head)?;
+    }
+    file.rewind()?;
+    Ok(unreadable_process(&head))
+}
+
+/// The error about a JPEG coded by a process that its decoder does not know (ITU-T T.81, table B.1).
+fn unreadable_process(head: &[u8]) -> Option<Error> {
+    let mut rest = head.strip_prefix(&JPEG[..2])?;
+    while let [0xFF, marker, high, low, ..] = *rest {
+        let process = match marker {
+            0xC3 | 0xC7 | 0xCB | 0xCF => "lossless",
+            0xC9 | 0xCA | 0xCD | 0xCE => "arithmetic-coded",
+            0xC5 | 0xC6 => "hierarchical",
+            // The other frame headers, or the first scan: this is what decoders know.
+            0xC0..=0xC2 | 0xDA => return None,
+            _ => {
+                rest = rest.get(2 + usize::from(u16::from_be_bytes([high, low]))..)?;
+                continue;
+            }
+        };
+        return Some(Error::new(format!("it is a {process} JPEG, which cannot be read; save it again as PNG")));
+    }
+    None
+}
+
 fn read<'a>(input: impl BufRead + Seek + 'a) -> Result<Picture<impl ImageDecoder + 'a>, Error> {
     let mut reader = ImageReader::new(input).with_guessed_format().map_err(|e| cannot_read(&e))?;
     let codec = reader
@@ -85,7 +147,7 @@ impl<D: ImageDecoder> Picture<D> {
     pub(crate) fn warnings(&self) -> Vec<String> {
         let color = self.decoder.color_type();
         let bits = u16::from(color.bytes_per_pixel()) * 8 / u16::from(color.channel_count());
-        let deep = (bits > 8).then(|| format!("{bits} bits per channel are reduced to 8"));
+        let deep = (bits > 8 && !self.is_deep()).then(|| format!("{bits} bits per channel are reduced to 8"));
         let clear = color.has_alpha().then(|| "transparent pixels are shown on black".to_owned());
         deep.into_iter().chain(clear).collect()
     }
@@ -94,10 +156,87 @@ impl<D: ImageDecoder> Picture<D> {
     ///
     /// # Errors
     /// A sentence, without the file's name, if they are damaged.
-    pub(crate) fn frame(self) -> Result<Frame, Error> {
+    pub(crate) fn frame(self, contrast: Contrast) -> Result<Frame, Error> {
         let mut image = DynamicImage::from_decoder(self.decoder).map_err(|e| damaged(&e))?;
+        contrast.stretch(&mut image);
         image.apply_orientation(self.upright);
         frame(image)
+    }
+
+    /// Whether the samples have 16 bits.
+    pub(crate) fn is_deep(&self) -> bool {
+        matches!(self.decoder.color_type(), ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16)
+    }
+
+    /// The least and the largest sample, if they have 16 bits.
+    ///
+    /// # Errors
+    /// As [`Picture::frame`].
+    pub(crate) fn extremes(self) -> Result<Option<Contrast>, Error> {
+        let mut image = DynamicImage::from_decoder(self.decoder).map_err(|e| damaged(&e))?;
+        let mut found: Option<Contrast> = None;
+        deep_samples(&mut image, |sample| {
+            let own = Contrast { low: *sample, high: *sample };
+            found = Some(found.map_or(own, |found| found.with(own)));
+        });
+        Ok(found)
+    }
+}
+
+/// The range of 16-bit samples that is shown from black to white.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Contrast {
+    /// The sample that is black.
+    pub low: u16,
+    /// The sample that is white.
+    pub high: u16,
+}
+
+impl Default for Contrast {
+    fn default() -> Self {
+        Self { low: 0, high: u16::MAX }
+    }
+}
+
+impl Contrast {
+    /// The range that holds both.
+    #[must_use]
+    pub(crate) fn with(self, other: Self) -> Self {
+        Self { low: self.low.min(other.low), high: self.high.max(other.high) }
+    }
+
+    /// The range to show samples that lie in this one: the bits that they have, or the range itself where it is a smaller part of
+    /// them.
+    #[must_use]
+    pub(crate) fn shown(self) -> Self {
+        let bits = u16::BITS - self.high.leading_zeros();
+        let full = Self { low: 0, high: (u32::MAX >> (u32::BITS - bits.max(8))) as u16 };
+        let is_most = u32::from(self.high - self.low) * 2 >= u32::from(full.high);
+        if is_most || self.high <= 255 || self.high == self.low { full } else { self }
+    }
+
+    /// Stretches the range over all 16 bits.
+    fn stretch(self, image: &mut DynamicImage) {
+        if self != Self::default() {
+            let (low, width) = (u32::from(self.low), u32::from(self.high - self.low).max(1));
+            deep_samples(image, |sample| {
+                let above = u32::from(*sample).saturating_sub(low).min(width);
+                *sample = ((u64::from(above) * 65_535 + u64::from(width) / 2) / u64::from(width)) as u16;
+            });
+        }
+    }
+}
+
+/// Hands over each 16-bit sample of colours, not of alpha.
+fn deep_samples(image: &mut DynamicImage, mut each: impl FnMut(&mut u16)) {
+    match image {
+        DynamicImage::ImageLuma16(image) => image.iter_mut().for_each(each),
+        DynamicImage::ImageRgb16(image) => image.iter_mut().for_each(each),
+        DynamicImage::ImageLumaA16(image) => image.pixels_mut().for_each(|pixel| each(&mut pixel.0[0])),
+        DynamicImage::ImageRgba16(image) => {
+            image.pixels_mut().for_each(|pixel| pixel.0[..3].iter_mut().for_each(&mut each));
+        }
+        _ => {}
     }
 }
 

@@ -6,8 +6,10 @@ use std::sync::Arc;
 use motionscope_core::{ClipInfo, Error, Frame, Stop};
 
 use super::names::file_name;
+use super::picture::Contrast;
 use super::sequence::Sequence;
 use super::stereo::keep_left;
+use super::tiff::Page;
 use super::{Decoder, Open, Source, name_of, picture};
 
 /// Opens the folder, pattern or picture at `path`; a numbered picture brings those that come after it.
@@ -15,6 +17,10 @@ use super::{Decoder, Open, Source, name_of, picture};
 /// # Errors
 /// One sentence, without the file's name.
 pub(crate) fn open(path: &Path, options: &Open) -> Result<Source, Error> {
+    let pages = if path.is_file() { picture::pages(path) } else { Vec::new() };
+    if pages.len() > 1 {
+        return stack(path, &pages, options);
+    }
     let mut sequence = Sequence::find(path)?;
     keep_left(&mut sequence, &options.given);
     clip(path, name_of(path), sequence, options)
@@ -49,14 +55,72 @@ pub(crate) fn pair(files: &[PathBuf; 2], options: &Open) -> Result<Source, Error
     }
 }
 
+/// The clip of the pages of one TIFF.
+fn stack(path: &Path, pages: &[Page], options: &Open) -> Result<Source, Error> {
+    let first = picture::open(path)?;
+    let mut info = ClipInfo {
+        name: name_of(path),
+        width: first.size.0,
+        height: first.size.1,
+        frames: Some(pages.len()),
+        fps: None,
+        container: first.codec.into(),
+        codec: first.codec.into(),
+        warnings: first.warnings(),
+    };
+    let places: Arc<[Place]> =
+        pages.iter().map(|page| Place { file: path.into(), page: Some(page.directory) }).collect();
+    let contrast = if first.is_deep() { contrast(&places, options, &mut info.warnings)? } else { Contrast::default() };
+    Ok(Source::new(info, Stills { places, size: first.size, contrast }))
+}
+
+/// Most pictures that are decoded to find the range of their samples.
+const MOST_RANGED: usize = 64;
+
+/// The range in which all 16-bit pictures are shown, so that brightness stays constant over time; with a warning that says so.
+fn contrast(places: &[Place], options: &Open, warnings: &mut Vec<String>) -> Result<Contrast, Error> {
+    let count = places.len().min(MOST_RANGED);
+    let mut range: Option<Contrast> = None;
+    for k in 0..count {
+        options.report(k as f32 / count as f32)?;
+        // Evenly, with the first and the last.
+        let Place { file, page } = &places[k * (places.len() - 1) / (count - 1).max(1)];
+        // Damage is reported when the frame is shown.
+        if let Ok(Some(own)) = picture::open_page(file, *page).and_then(|picture| picture.extremes()) {
+            range = Some(range.map_or(own, |range| range.with(own)));
+        }
+    }
+    let Contrast { low, high } = range.map_or_else(Contrast::default, Contrast::shown);
+    let seen = if count < places.len() { format!(", found in {count} of its frames") } else { String::new() };
+    warnings.push(if (low, high) == (0, u16::MAX) {
+        "16 bits per channel are reduced to 8".into()
+    } else {
+        format!(
+            "16 bits per channel are reduced to 8: {low} is black and {high} white in every frame, the range of the whole \
+             clip{seen}"
+        )
+    });
+    Ok(Contrast { low, high })
+}
+
 /// The clip `name` of a `sequence` of pictures, opened from `path`.
 fn clip(path: &Path, name: String, sequence: Sequence, options: &Open) -> Result<Source, Error> {
     let Sequence { files, mut warnings } = sequence;
+    let is_alone = files.len() == 1;
+    match files.first().map(|first| (first, picture::pages(first))) {
+        Some((first, pages)) if pages.len() > 1 && is_alone => return stack(first, &pages, options),
+        Some((first, pages)) if pages.len() > 1 => {
+            let (name, count) = (file_name(first), pages.len());
+            warnings
+                .push(format!("{name} has {count} pages, of which the first is a frame; open it by itself for all"));
+        }
+        _ => {}
+    }
     let Some(first) = files.first() else { return Err(Error::new("it holds no pictures")) };
     let picture = picture::open(first).map_err(|why| if first == path { why } else { about(first, &why) })?;
     warnings.extend(picture.warnings());
     warnings.extend(misfits(&files, picture.size, options)?);
-    let info = ClipInfo {
+    let mut info = ClipInfo {
         name,
         width: picture.size.0,
         height: picture.size.1,
@@ -66,8 +130,10 @@ fn clip(path: &Path, name: String, sequence: Sequence, options: &Open) -> Result
         codec: picture.codec.into(),
         warnings,
     };
-    let (size, files) = (picture.size, Arc::from(files));
-    Ok(Source { info, decoder: Box::new(Stills { files: Arc::clone(&files), size }), files })
+    let (size, is_deep) = (picture.size, picture.is_deep());
+    let places: Arc<[Place]> = files.iter().map(|file| Place { file: file.clone(), page: None }).collect();
+    let contrast = if is_deep { contrast(&places, options, &mut info.warnings)? } else { Contrast::default() };
+    Ok(Source { info, decoder: Box::new(Stills { places, size, contrast }), files: Arc::from(files) })
 }
 
 /// The container name of image sequences.
@@ -102,29 +168,37 @@ fn about(file: &Path, why: &Error) -> Error {
     Error::new(format!("{}: {why}", file_name(file)))
 }
 
-/// One file per frame.
+/// Where a frame lies.
+struct Place {
+    file: PathBuf,
+    /// Where the directory of its page is, if it is a page of a TIFF.
+    page: Option<u32>,
+}
+
+/// One picture per frame.
 struct Stills {
-    files: Arc<[PathBuf]>,
+    places: Arc<[Place]>,
     size: (usize, usize),
+    contrast: Contrast,
 }
 
 impl Decoder for Stills {
     fn decode(&mut self, index: usize, _stop: &Stop, keep: &mut dyn FnMut(usize, Frame)) -> Result<(), Error> {
-        let Some(file) = self.files.get(index) else { return Ok(()) };
-        let frame = self.read(file).map_err(|why| about(file, &why))?;
+        let Some(place) = self.places.get(index) else { return Ok(()) };
+        let frame = self.read(place).map_err(|why| about(&place.file, &why))?;
         keep(index, frame);
         Ok(())
     }
 }
 
 impl Stills {
-    fn read(&self, file: &Path) -> Result<Frame, Error> {
-        let picture = picture::open(file)?;
+    fn read(&self, place: &Place) -> Result<Frame, Error> {
+        let picture = picture::open_page(&place.file, place.page)?;
         let ((w, h), (width, height)) = (picture.size, self.size);
         if (w, h) != (width, height) {
             return Err(Error::new(format!("it is {w}×{h} px, but the first picture is {width}×{height} px")));
         }
-        picture.frame()
+        picture.frame(self.contrast)
     }
 }
 
@@ -214,6 +288,104 @@ mod tests {
         assert!(clear.pair(0).unwrap_err().to_string().contains("single frame"));
     }
 
+    /// Opens a folder of 16-bit pictures with `rows` of samples.
+    fn deep_clip(rows: &[[u16; 4]]) -> Clip {
+        let folder = tempfile::tempdir().unwrap();
+        for (t, row) in rows.iter().enumerate() {
+            let image = image::ImageBuffer::<image::Luma<u16>, _>::from_vec(4, 1, row.to_vec()).unwrap();
+            fs::write(folder.path().join(format!("f{t}.png")), encode(&image.into(), ImageFormat::Png)).unwrap();
+        }
+        let clip = open(folder.path()).unwrap();
+        // The frames stay in the cache when the folder is gone.
+        (0..rows.len()).for_each(|t| drop(clip.frame(t).unwrap()));
+        clip
+    }
+
+    #[test]
+    fn deep_pictures_keep_what_they_hold_and_one_brightness() {
+        let grays = |rows: &[[u16; 4]]| {
+            let clip = deep_clip(rows);
+            (0..rows.len()).map(|t| clip.frame(t).unwrap().luma().cells().to_vec()).collect::<Vec<_>>()
+        };
+        for bits in [10, 12, 14, 16] {
+            let most = (1_u32 << bits) - 1;
+            let part = |share: f64| (f64::from(most) * share).round() as u16;
+            // The second frame is darker, and has to stay so.
+            let frames = grays(&[[0, part(0.25), part(0.5), part(1.0)], [0, part(0.25), part(0.5), part(0.5)]]);
+            let wanted = [[0, 64, 128, 255], [0, 64, 128, 128]];
+            let is_near = |(a, b): (&u8, &u8)| a.abs_diff(*b) <= 1;
+            assert!(frames.iter().flatten().zip(wanted.as_flattened()).all(is_near), "{bits}: {frames:?}");
+        }
+        // Samples of 8 bits are left alone, a narrow range far from black fills all levels.
+        assert_eq!(grays(&[[0, 1, 100, 255]]), [[0, 1, 100, 255]]);
+        assert_eq!(grays(&[[30_000, 30_051, 30_102, 30_255]]), [[0, 51, 102, 255]]);
+        assert!(deep_clip(&[[0, 5, 900, 1023]]).info().warnings[0].contains("1023 white"));
+    }
+
+    /// A little-endian TIFF of `pages` of gray samples in `bytes` bytes each; `kinds` are the kinds of sub-file of the pages.
+    fn tiff(size: (u32, u32), bytes: u32, pages: &[Vec<u8>], kinds: &[u32], format: u32) -> Vec<u8> {
+        let mut file = b"II*\0".to_vec();
+        file.extend(8_u32.to_le_bytes());
+        for (t, (page, kind)) in pages.iter().zip(kinds).enumerate() {
+            let entries = [
+                (254_u16, 4_u16, *kind),
+                (256, 4, size.0),
+                (257, 4, size.1),
+                (258, 3, 8 * bytes),
+                (259, 3, 1),
+                (262, 3, 1),
+                (273, 4, file.len() as u32 + 2 + 12 * 11 + 4),
+                (277, 3, 1),
+                (278, 4, size.1),
+                (279, 4, page.len() as u32),
+                (339, 3, format),
+            ];
+            file.extend((entries.len() as u16).to_le_bytes());
+            for (tag, kind, value) in entries {
+                file.extend([tag.to_le_bytes(), kind.to_le_bytes()].concat());
+                file.extend([1_u32.to_le_bytes(), value.to_le_bytes()].concat());
+            }
+            let next = file.len() as u32 + 4 + page.len() as u32;
+            file.extend(if t + 1 == pages.len() { 0 } else { next }.to_le_bytes());
+            file.extend(page);
+        }
+        file
+    }
+
+    #[test]
+    fn pages_of_a_tiff_are_frames() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("stack8.tif");
+        let gray = |t: u8| vec![t, 50 + t, 100, 150, 200, 250];
+        fs::write(&path, tiff((3, 2), 1, &[gray(1), gray(2), gray(3)], &[0; 3], 1)).unwrap();
+        for opened in [path.as_path(), folder.path()] {
+            let clip = open(opened).unwrap();
+            assert_eq!((clip.info().frames, clip.size()), (Some(3), (3, 2)));
+            // Backwards as well as forwards.
+            for t in [2, 0, 1] {
+                assert_eq!(clip.frame(t).unwrap().luma().cells(), gray(t as u8 + 1), "{t}");
+            }
+        }
+        let deep = |t: u16| [t, 400, 1023].iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<_>>();
+        fs::write(&path, tiff((3, 1), 2, &[deep(0), deep(1023)], &[0; 2], 1)).unwrap();
+        let clip = open(&path).unwrap();
+        assert_eq!([0, 1].map(|t| clip.frame(t).unwrap().luma().cells().to_vec()), [[0, 100, 255], [255, 100, 255]]);
+        // A thumbnail is no frame.
+        fs::write(&path, tiff((3, 2), 1, &[gray(1), gray(2)], &[0, 1], 1)).unwrap();
+        assert_eq!(open(&path).unwrap().info().frames, Some(1));
+        // What cannot be read is named.
+        fs::write(&path, tiff((1, 1), 4, &[vec![0; 4]], &[0], 3)).unwrap();
+        assert!(open(&path).unwrap_err().to_string().contains("floating-point"));
+        fs::write(&path, b"II+\0\x08\0\0\0\x10\0\0\0\0\0\0\0").unwrap();
+        assert!(open(&path).unwrap_err().to_string().contains("BigTIFF"));
+        // Directories that lead in a circle end.
+        let mut circle = tiff((3, 2), 1, &[gray(1), gray(2)], &[0; 2], 1);
+        let last = circle.len() - 6 - 4;
+        circle[last..last + 4].copy_from_slice(&8_u32.to_le_bytes());
+        fs::write(&path, circle).unwrap();
+        assert_eq!(open(&path).unwrap().info().frames, Some(2));
+    }
+
     #[test]
     fn cameras_that_were_turned_are_turned_back() {
         let jpeg = encode(&picture(8, 1), ImageFormat::Jpeg);
@@ -274,6 +446,21 @@ mod tests {
         assert!(open(&path).unwrap_err().to_string().contains("cut short"));
         fs::write(&path, [whole, vec![7; 99]].concat()).unwrap();
         assert!(open(&path).unwrap().frame(0).is_ok());
+    }
+
+    #[test]
+    fn a_jpeg_of_another_process_is_named_and_not_called_damaged() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.jpg");
+        let baseline = encode(&picture(30, 1), ImageFormat::Jpeg);
+        let frame = baseline.windows(2).position(|mark| mark == [0xFF, 0xC0]).unwrap();
+        for (process, name) in [(0xC3, "lossless"), (0xC9, "arithmetic"), (0xC5, "hierarchical")] {
+            let mut bytes = baseline.clone();
+            bytes[frame + 1] = process;
+            fs::write(&path, bytes).unwrap();
+            let told = open(&path).unwrap_err().to_string();
+            assert!(told.contains(name) && !told.contains("damaged"), "{told}");
+        }
     }
 
     #[test]

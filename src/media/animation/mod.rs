@@ -116,8 +116,11 @@ fn warnings(scan: &Scan) -> Vec<String> {
         warnings.push(format!("the pictures are shown for {least} to {most} ms; the rate is their mean"));
     }
     if !scan.whole {
-        let n = scan.delays_ms.len();
-        warnings.push(format!("the file is cut short or damaged; what comes after its first {n} pictures is lost"));
+        let kept = match scan.delays_ms.len() {
+            1 => "first picture".to_owned(),
+            n => format!("first {n} pictures"),
+        };
+        warnings.push(format!("the file is cut short or damaged; what comes after its {kept} is lost"));
     }
     warnings
 }
