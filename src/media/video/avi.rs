@@ -116,10 +116,21 @@ fn stream(header: &[u8]) -> Result<(usize, Track), Error> {
         }
         return find(stream, b"strf")
             .and_then(|strf| describe(strh, strf))
+            .map(|track| Track { warnings: shape(find(stream, b"vprp").unwrap_or_default()), ..track })
             .map(|track| (number, track))
             .ok_or_else(|| Error::new("the header of its video is damaged; copy it again from its source"));
     }
     Err(Error::new("it holds no video; open a clip with pictures"))
+}
+
+/// The warnings about fields and about pixels that are not square in a video properties header (OpenDML 1.02, 5.0).
+fn shape(vprp: &[u8]) -> Vec<String> {
+    let mut properties = Bytes(vprp.get(20..).unwrap_or_default());
+    let mut number = || properties.le32().map_or(0, u64::from);
+    let (shape, width, height, fields) = (number(), number(), number(), number());
+    // The shape of the frame: its width in the upper half, its height in the lower one.
+    let pixel = super::pixel_aspect([(shape >> 16) * height, (shape & 0xFFFF) * width]);
+    (fields == 2).then(super::interlaced).into_iter().chain(pixel).collect()
 }
 
 /// Rows of a frame out of a `BITMAPINFOHEADER`.
@@ -294,5 +305,18 @@ mod tests {
             let message = read(file(header, &one)).unwrap_err().to_string();
             assert!(message.contains(why), "{why}: {message}");
         }
+    }
+
+    #[test]
+    fn the_shape_of_pixels_and_fields_is_read() {
+        // A frame of 8:3 in 64×48 px, of two fields.
+        let header = |shape: u32, fields: u32| {
+            let numbers = [0, 0, 25, 64, 48, shape, 64, 48, fields];
+            numbers.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<u8>>()
+        };
+        let wide = header(8 << 16 | 3, 2);
+        assert_eq!(shape(&wide), [super::super::interlaced(), super::super::pixel_aspect([2, 1]).unwrap()]);
+        assert!(shape(&header(4 << 16 | 3, 1)).is_empty() && shape(&header(0, 0)).is_empty());
+        assert!(shape(&wide[..30]).is_empty() && shape(&[]).is_empty());
     }
 }

@@ -2,10 +2,12 @@
 
 use motionscope_core::Error;
 use rust_h264::decoder::{ChromaFormat, Decoder, Frame};
+use rust_h264::error::DecodeError;
 use rust_h264::nal::{NalUnit, NalUnitType, SpsInfo, parse_avcc, parse_avcc_config, parse_sps_info};
 
 use super::coded::Codec;
 use super::color::{Chroma, Colors, Matrix, Picture, Yuv};
+use super::{pixel_aspect, sps};
 use crate::media::{check_size, reason};
 
 /// Most reference frames that the standard allows.
@@ -16,12 +18,22 @@ pub(crate) struct H264 {
     config: Vec<u8>,
     length_size: usize,
     info: SpsInfo,
+    /// Width and height of a pixel, as a ratio.
+    pixel: Option<[u64; 2]>,
     colors: Colors,
     decoder: Decoder,
 }
 
 fn damaged(what: &str) -> Error {
     Error::new(format!("its H.264 data are damaged{}", reason::bracketed(what)))
+}
+
+/// The error about a stream that cannot be decoded: a tool of the standard that is not supported is no damage.
+fn failed(error: &DecodeError) -> Error {
+    match error {
+        DecodeError::Unsupported(what) => Error::new(format!("its H.264 uses {what}, which needs ffmpeg")),
+        _ => damaged(&error.to_string()),
+    }
 }
 
 impl H264 {
@@ -31,8 +43,9 @@ impl H264 {
     /// If the record is damaged, or asks for what cannot be decoded here.
     pub(crate) fn new(config: Vec<u8>, colors: Option<(u32, bool)>) -> Result<Self, Error> {
         let record = parse_avcc_config(&config).map_err(damaged)?;
-        let sps = record.sps_nals.first().ok_or_else(|| damaged("it has no parameters"))?;
-        let info = check_parameters(sps)?;
+        let unit = record.sps_nals.first().ok_or_else(|| damaged("it has no parameters"))?;
+        let info = check_parameters(unit)?;
+        let pixel = sps::pixel_aspect(&unit.rbsp);
         let length_size = record.length_size;
         drop(record);
         // What the stream says of its colours goes before what the container says.
@@ -41,7 +54,7 @@ impl H264 {
             _ => (u32::from(info.matrix), info.full_range),
         };
         let colors = Colors { matrix: Matrix::from_code(matrix, info.height as usize), full_range };
-        Ok(Self { config, length_size, info, colors, decoder: Decoder::new() })
+        Ok(Self { config, length_size, info, pixel, colors, decoder: Decoder::new() })
     }
 
     fn feed(&mut self, unit: &NalUnit) -> Result<Option<Frame>, Error> {
@@ -54,7 +67,7 @@ impl H264 {
                 )));
             }
         }
-        self.decoder.decode_nal(unit).map_err(|error| damaged(&error.to_string()))
+        self.decoder.decode_nal(unit).map_err(|error| failed(&error))
     }
 
     fn picture(&self, frame: Frame) -> Yuv {
@@ -118,6 +131,7 @@ impl Codec for H264 {
         if !self.info.progressive {
             warnings.push(super::interlaced());
         }
+        warnings.extend(self.pixel.and_then(pixel_aspect));
         warnings
     }
 }
@@ -145,7 +159,7 @@ fn has_gap(picture: &Yuv) -> bool {
 
 /// Refuses parameters that no real stream has before the decoder makes room for them.
 fn check_parameters(sps: &NalUnit) -> Result<SpsInfo, Error> {
-    let info = parse_sps_info(sps).map_err(|error| damaged(&error.to_string()))?;
+    let info = parse_sps_info(sps).map_err(|error| failed(&error))?;
     check_size(info.coded_width as usize, info.coded_height as usize)?;
     check_size(info.width as usize, info.height as usize)?;
     if info.width > info.coded_width || info.height > info.coded_height || info.reference_frames > MAX_REFERENCES {
@@ -201,6 +215,13 @@ mod tests {
         assert!(!recovers_at_once(&[6, 1, 0x44, 0x80]));
         assert!(!recovers_at_once(&other));
         assert!([&[6_u8] as &[u8], &[6, 9, 0xFF], &[0xFF; 9], &[]].iter().all(|bytes| !recovers_at_once(bytes)));
+    }
+
+    #[test]
+    fn a_tool_that_is_not_supported_is_no_damage() {
+        let told = failed(&DecodeError::Unsupported("lossless (transform bypass) coding")).to_string();
+        assert!(told.contains("lossless") && told.contains("ffmpeg") && !told.contains("damaged"), "{told}");
+        assert!(failed(&DecodeError::InvalidSyntax("not an SPS NAL unit")).to_string().contains("damaged"));
     }
 
     #[test]

@@ -262,15 +262,10 @@ fn shape(video: &[u8]) -> Vec<String> {
         let shown = [side(DISPLAY_WIDTH)?.checked_mul(height)?, side(DISPLAY_HEIGHT)?.checked_mul(width)?];
         // A display of whole pixels is rounded.
         let is_square = shown[0].abs_diff(shown[1]) <= width.max(height);
-        let divisor = gcd(shown[0], shown[1]).max(1);
-        (!is_square).then(|| shown.map(|side| side / divisor))
+        (!is_square).then_some(shown)
     })();
     let warned = is_interlaced.then(super::interlaced);
     warned.into_iter().chain(pixel.and_then(super::pixel_aspect)).collect()
-}
-
-fn gcd(a: u64, b: u64) -> u64 {
-    if b == 0 { a } else { gcd(b, a % b) }
 }
 
 fn header(input: &mut Input, at: u64, size: u64) -> Result<Vec<u8>, Error> {

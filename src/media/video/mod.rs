@@ -11,6 +11,7 @@ mod mjpeg;
 mod mp4;
 mod mp4_samples;
 mod raw;
+mod sps;
 mod turn;
 mod vp9;
 pub(super) mod y4m;
@@ -112,6 +113,12 @@ fn decode(input: Input, mut track: Track) -> Result<Source, Error> {
     info.warnings.retain(|warning| told.insert(warning.clone()));
     Ok(Source::new(info, coded))
 }
+
+/// The greatest common divisor.
+fn gcd(a: u64, b: u64) -> u64 {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
 /// The warning about video whose frames are made of two fields.
 pub(super) fn interlaced() -> String {
     "interlaced video is shown as whole frames".into()
@@ -119,6 +126,8 @@ pub(super) fn interlaced() -> String {
 
 /// The warning about pixels that are not square: `width` to `height`, if both are known.
 pub(super) fn pixel_aspect([width, height]: [u64; 2]) -> Option<String> {
+    let divisor = gcd(width, height).max(1);
+    let [width, height] = [width / divisor, height / divisor];
     let is_square = width == height || width == 0 || height == 0;
     (!is_square).then(|| {
         format!(

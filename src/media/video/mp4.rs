@@ -170,6 +170,8 @@ impl Video<'_> {
             Some([sides.be32()?, sides.be32()?].map(u64::from))
         });
         warnings.extend(pixel.and_then(super::pixel_aspect));
+        // QuickTime's field handling: two fields.
+        warnings.extend(find(children, b"fiel").filter(|fiel| fiel.first() == Some(&2)).map(|_| super::interlaced()));
         Track {
             ticks_per_second: f64::from(self.ticks),
             encrypted: self.kind == *b"encv",

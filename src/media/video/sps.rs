@@ -1,33 +1,31 @@
 //! The pixel aspect in an H.264 sequence parameter set (ITU-T H.264, 7.3.2.1.1 and E.1.1), which our decoder skips.
 
-use super::shape::PixelAspect;
-
 /// Profiles whose parameters tell chroma format and bit depth.
 const HIGH_PROFILES: [u32; 12] = [100, 110, 122, 244, 44, 83, 86, 118, 128, 138, 139, 134];
 /// Ratios by their number from 1 on (table E-1).
-const RATIOS: [(u64, u64); 16] = [
-    (1, 1),
-    (12, 11),
-    (10, 11),
-    (16, 11),
-    (40, 33),
-    (24, 11),
-    (20, 11),
-    (32, 11),
-    (80, 33),
-    (18, 11),
-    (15, 11),
-    (64, 33),
-    (160, 99),
-    (4, 3),
-    (3, 2),
-    (2, 1),
+const RATIOS: [[u64; 2]; 16] = [
+    [1, 1],
+    [12, 11],
+    [10, 11],
+    [16, 11],
+    [40, 33],
+    [24, 11],
+    [20, 11],
+    [32, 11],
+    [80, 33],
+    [18, 11],
+    [15, 11],
+    [64, 33],
+    [160, 99],
+    [4, 3],
+    [3, 2],
+    [2, 1],
 ];
 /// The number of a ratio that follows as two numbers.
 const EXTENDED: u32 = 255;
 
-/// The pixel aspect in the payload of a parameter set; `None` if it does not tell or is damaged.
-pub(crate) fn pixel_aspect(payload: &[u8]) -> Option<PixelAspect> {
+/// Width and height of a pixel, as a ratio, in the payload of a parameter set; `None` if it does not tell or is damaged.
+pub(crate) fn pixel_aspect(payload: &[u8]) -> Option<[u64; 2]> {
     let mut bits = Bits { bytes: payload, at: 0 };
     let profile = bits.take(8)?;
     bits.take(16)?;
@@ -52,11 +50,8 @@ pub(crate) fn pixel_aspect(payload: &[u8]) -> Option<PixelAspect> {
         return None;
     }
     match bits.take(8)? {
-        EXTENDED => PixelAspect::new(bits.take(16)?.into(), bits.take(16)?.into()),
-        number => {
-            let (width, height) = *RATIOS.get((number as usize).checked_sub(1)?)?;
-            PixelAspect::new(width, height)
-        }
+        EXTENDED => Some([bits.take(16)?.into(), bits.take(16)?.into()]),
+        number => RATIOS.get((number as usize).checked_sub(1)?).copied(),
     }
 }
 
@@ -152,12 +147,9 @@ mod tests {
             0x64, 0x00, 0x0a, 0xac, 0xd9, 0x44, 0x7b, 0x10, 0x10, 0x00, 0x00, 0x00, 0x10, 0x00, 0x00, 0x03, 0x20, 0xf1,
             0x22, 0x59, 0x60,
         ];
-        assert_eq!(pixel_aspect(&payload), PixelAspect::new(2, 1));
+        assert_eq!(pixel_aspect(&payload), Some([2, 1]));
         // Cut anywhere, it is unknown or the same, never a panic.
-        assert!(
-            (0..payload.len())
-                .all(|end| pixel_aspect(&payload[..end]).is_none_or(|a| Some(a) == PixelAspect::new(2, 1)))
-        );
+        assert!((0..payload.len()).all(|end| pixel_aspect(&payload[..end]).is_none_or(|ratio| ratio == [2, 1])));
         assert_eq!(pixel_aspect(&[0; 40]), None);
     }
 }
