@@ -77,7 +77,8 @@ fn run(args: Args) -> Result<(), Error> {
         Some(Command::Info { clip, next, json, count, truth, stereo }) => {
             let clip = task::clip_name(clip, next)?;
             let Named { source, given, .. } = Named::find(&clip, stereo.with(Given { truth, ..Given::default() }))?;
-            let info = Info::of(&source.open(&Open { count, given, ..Open::default() })?);
+            let clip = source.open(&Open { count, given, ..Open::default() })?;
+            let info = Info::of(&clip).with_repeats(&clip, count);
             say(&if json { report::to_json(&info)? } else { info.to_string() })
         }
         Some(Command::Synth { name, out, set, list }) => match (name, out) {

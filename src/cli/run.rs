@@ -18,7 +18,7 @@ use super::report::{ExplainedPixel, Findings, Report, Timing, to_json};
 use super::say;
 use super::task;
 use crate::experiment::pixel::{Chosen, Pixel};
-use crate::experiment::{Position, Prepared};
+use crate::experiment::{Position, Prepared, is_of_pair, is_repeated, repeated_note};
 use crate::media::export::{self, Target};
 use crate::paint::primitive::Rect;
 use crate::paint::{FlowLayer, Freehand, LevelShown};
@@ -54,6 +54,9 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     let threads = args.threads.map_or_else(Threads::all, |n| Threads::new(n as usize))?;
     // Decoded here, so that the timing covers the estimation alone.
     clip.pair_or_last(frame)?;
+    if is_of_pair(estimator) && is_repeated(clip, frame) == Some(true) {
+        remark(&format!("warning: {}", repeated_note(frame)));
+    }
     let (RunSummary { output, causal, extent }, times) = timed(&prepared, &threads, args.repeat)?;
     if let Some(step) =
         args.step.filter(|step| experiment.side_by_side.is_empty() && *step != Cursor::END && step.unit >= extent.units)

@@ -137,6 +137,17 @@ pub fn is_of_pair(estimator: &dyn AnyEstimator) -> bool {
     !estimator.is_by_frame() && !estimator.is_of_single_frames()
 }
 
+/// Whether frames `t` and `t + 1` are identical, so that nothing moves between them; `None` as long as they are not both decoded.
+pub fn is_repeated(clip: &Clip, t: usize) -> Option<bool> {
+    let [first, second] = [clip.cached(t)?, clip.cached(t.checked_add(1)?)?];
+    Some(!clip.is_blank() && first == second)
+}
+
+/// The note about a pair of identical frames that begins at `t`.
+pub fn repeated_note(t: usize) -> String {
+    format!("Frames {t} and {} are identical, so nothing moves between them; choose another pair.", t + 1)
+}
+
 /// What is to be placed on the object before a run is about it: a region of the first frame that is neither placed nor that of a true
 /// object.
 pub fn unplaced(estimator: &dyn AnyEstimator, clip: &Clip, frame: usize) -> Option<&'static Spec> {

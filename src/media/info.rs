@@ -35,8 +35,39 @@ pub struct Info {
     /// The calibration of both views, if it is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub calibration: Option<Cameras>,
+    /// The frames that are identical to the frame before them; `None` where frames were not compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub repeats: Option<Repeats>,
     /// Warnings.
     pub warnings: Vec<String>,
+}
+
+/// Frames that are identical to the frame before them, as recorders and converters of rates leave them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Repeats {
+    /// The number of frames that are identical to the frame before.
+    pub identical: usize,
+    /// The number of frames that were compared with the frame before.
+    pub compared: usize,
+}
+
+impl Repeats {
+    /// Compares the first frames of `clip`, `most` pairs at most. A frame that cannot be read is identical to none.
+    pub fn of(clip: &Clip, most: usize) -> Self {
+        let pairs = clip.info().frames.map_or(most, |frames| frames.saturating_sub(1)).min(most);
+        let mut repeats = Self { identical: 0, compared: 0 };
+        let mut before = clip.frame(0).ok();
+        for t in 1..=pairs {
+            let frame = clip.frame(t).ok();
+            if frame.is_none() && clip.has_frame(t) != Ok(true) {
+                break;
+            }
+            repeats.compared += 1;
+            repeats.identical += usize::from(frame.is_some() && frame == before);
+            before = frame;
+        }
+        repeats
+    }
 }
 
 /// The calibration of a rectified pair of cameras.
@@ -76,8 +107,20 @@ impl Info {
             right: clip.right().map(|right| right.info().name.clone()),
             depths: clip.has_depths(),
             calibration: clip.calibration().map(Cameras::from),
+            repeats: None,
             warnings: info.warnings,
         }
+    }
+
+    /// The same with the frames counted that repeat the frame before: among the first, or `all` of them. Frames that are computed
+    /// are not compared.
+    #[must_use]
+    pub fn with_repeats(self, clip: &Clip, all: bool) -> Self {
+        /// Enough to see what a converter of rates does, in little time.
+        const MOST_PAIRS: usize = 100;
+        let is_recorded = !clip.is_blank() && clip.info().container != "synthetic";
+        let most = if all { usize::MAX } else { MOST_PAIRS };
+        Self { repeats: is_recorded.then(|| Repeats::of(clip, most)), ..self }
     }
 }
 
@@ -110,6 +153,13 @@ impl fmt::Display for Info {
             let (focal, baseline) = (fixed(*focal_px, 1), fixed(*baseline_m, 3));
             writeln!(f, "cameras   focal length {focal} px, baseline {baseline} m")?;
         }
+        if let Some(Repeats { identical, compared }) = self.repeats.filter(|repeats| repeats.identical > 0) {
+            let frames = if *frames == Some(compared + 1) { "" } else { "first " };
+            writeln!(
+                f,
+                "repeats   {identical} of the {frames}{compared} frames after frame 0 are identical to the frame before"
+            )?;
+        }
         self.warnings.iter().try_for_each(|warning| writeln!(f, "warning   {warning}"))
     }
 }
@@ -140,6 +190,24 @@ mod tests {
         let unknown = serde_json::to_value(Info::of(&clip(None, Some(0.0)))).unwrap();
         assert!(unknown["frames"].is_null() && unknown["seconds"].is_null());
         assert!(serde_json::to_value(Info::of(&clip(Some(1), Some(0.0)))).unwrap()["seconds"].is_null());
+    }
+
+    #[test]
+    fn frames_that_repeat_the_one_before_are_counted() {
+        let of = |values: &[u8]| {
+            let frames = values.iter().map(|value| Frame::gray(Grid::new(4, 3, *value))).collect();
+            let clip = Clip::from_frames("c", frames).unwrap();
+            Info::of(&clip).with_repeats(&clip, false)
+        };
+        // The same picture later on is no repetition.
+        let repeated = of(&[1, 1, 2, 1, 1, 1]);
+        assert_eq!(repeated.repeats, Some(Repeats { identical: 3, compared: 5 }));
+        assert!(repeated.to_string().contains("3 of the 5 frames"));
+        let none = of(&[1, 2, 3]);
+        assert_eq!(none.repeats.map(|repeats| repeats.identical), Some(0));
+        assert!(!none.to_string().contains("identical"));
+        assert_eq!(of(&[1]).repeats, Some(Repeats { identical: 0, compared: 0 }));
+        assert_eq!(of(&[7; 150]).repeats, Some(Repeats { identical: 100, compared: 100 }));
     }
 
     #[test]

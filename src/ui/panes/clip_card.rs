@@ -1,8 +1,11 @@
 //! What the clip is, at the top of the parameters: name, size, truth, warnings, and the frame to run on.
 
-use eframe::egui::{Align, DragValue, Layout, RichText, Ui};
+use std::sync::Arc;
+
+use eframe::egui::{Align, DragValue, Id, Layout, RichText, Ui};
 use lucide_icons::Icon;
 
+use crate::experiment::{is_of_pair, is_repeated, repeated_note};
 use crate::paint::grouped;
 use crate::ui::app::action::{Action, Actions};
 use crate::ui::app::commands::Command;
@@ -35,12 +38,22 @@ pub fn show(ui: &mut Ui, document: &Document, actions: &mut Actions) {
     }
     ui.label(parameters::dim(ui, facts(document)).small());
     frame(ui, document, actions);
-    for warning in &info.warnings {
+    let repeated = is_repeated_pair(ui, document).then(|| repeated_note(document.frame()));
+    for warning in info.warnings.iter().chain(&repeated) {
         ui.horizontal_wrapped(|ui| {
             ui.label(widgets::icon(ui, Icon::TriangleAlert).color(ui.visuals().warn_fg_color));
             ui.label(RichText::new(warning).small());
         });
     }
+}
+
+/// Whether the run is on one pair of frames that are identical. They are compared once.
+fn is_repeated_pair(ui: &Ui, document: &Document) -> bool {
+    let t = document.frame();
+    let Some(clip) = document.clip().filter(|_| is_of_pair(document.estimator())) else { return false };
+    let Some((first, second)) = clip.cached(t).zip(clip.cached(t + 1)) else { return false };
+    let id = Id::unique(("is_repeated_pair", Arc::as_ptr(&first), Arc::as_ptr(&second)));
+    ui.data_mut(|data| *data.get_temp_mut_or_insert_with(id, || is_repeated(clip, t) == Some(true)))
 }
 
 /// Size, length, format and truth in one line: `320×240 px · 24 frames at 25/s · h264 in mp4 · truth: flow`.
