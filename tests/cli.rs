@@ -1253,6 +1253,36 @@ fn masks_are_written_one_for_each_frame() {
 }
 
 #[test]
+fn a_comparison_begins_on_the_pair_whose_truth_is_known() {
+    let folder = tempfile::tempdir().unwrap();
+    stdout(folder.path(), "synth translation,width=64,height=48,frames=6 --out clip");
+    // As where a benchmark knows one pair alone.
+    for t in [0, 1, 2, 4] {
+        fs::remove_file(folder.path().join(format!("clip/flow/frame_{t:04}.flo"))).unwrap();
+    }
+    let run = json(folder.path(), "run clip --estimator full-search --json");
+    assert_eq!((&run["frame"], run["metrics"]["epe_px"].is_f64()), (&3.into(), true));
+    let error = |line: &str| json(folder.path(), line)[0]["epe_px"].clone();
+    assert_eq!(error("compare clip --estimators full-search --json"), run["metrics"]["epe_px"]);
+    assert!(error("compare clip --estimators full-search --frame 0 --json").is_null());
+}
+
+#[test]
+fn frames_that_repeat_the_one_before_are_reported() {
+    let folder = tempfile::tempdir().unwrap();
+    stdout(folder.path(), &format!("synth {} --out clip", SMALL.trim_start_matches("synth:")));
+    let frame = |t: usize| folder.path().join(format!("clip/frame_{t:04}.png"));
+    let repeats = || json(folder.path(), "info clip --json")["repeats"].clone();
+    let warned = |line: &str| String::from_utf8(motionscope(folder.path(), line).stderr).unwrap().contains("identical");
+    assert_eq!(repeats(), serde_json::json!({ "identical": 0, "compared": 2 }));
+    assert!(!warned("run clip --estimator full-search"));
+    fs::copy(frame(0), frame(1)).unwrap();
+    assert_eq!(repeats(), serde_json::json!({ "identical": 1, "compared": 2 }));
+    assert!(warned("run clip --estimator full-search --frame 0"));
+    assert!(!warned("run clip --estimator full-search --frame 1"));
+}
+
+#[test]
 fn what_is_wrong_with_detections_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     crossing(folder.path());

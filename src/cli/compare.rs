@@ -10,7 +10,7 @@ use super::outputs::{Place, check_folder, refuse_losses};
 use super::{remark, say, task};
 use crate::experiment::comparison::{self, Conditions, Repeats, Round, Row};
 use crate::experiment::source::Source;
-use crate::experiment::{course_table, sweeps};
+use crate::experiment::{course_table, is_of_pair, sweeps};
 use crate::media::export::{self, InputKind, Inputs, Target};
 use crate::media::{Given, Open};
 use crate::paint::Theme;
@@ -28,9 +28,9 @@ const PLOT_SCALE: u32 = 2;
 pub fn compare(args: &CompareArgs) -> Result<(), Error> {
     let given = args.stereo.with(Given { truth: args.truth.clone(), ..Given::default() });
     let Named { source, given, session } = Named::find(&task::clip_name(args.clip.clone(), args.next.clone())?, given)?;
-    let frame = args.frame.or(session.map(|session| session.experiment.frame)).unwrap_or(0);
+    let chosen = args.frame.or(session.map(|session| session.experiment.frame));
     if args.course {
-        return course(args, &source, frame);
+        return course(args, &source, chosen);
     }
     let estimators = comparison::compared_estimators(&args.estimators, &args.set)?;
     task::warn_of_idle(&estimators.iter().map(|estimator| &**estimator).collect::<Vec<_>>(), &args.set);
@@ -49,8 +49,11 @@ pub fn compare(args: &CompareArgs) -> Result<(), Error> {
         let left_out = estimators.iter().map(|estimator| id(&**estimator)).filter(|own| is_left_out(own));
         left_out.for_each(|id| remark(&format!("note: --sweep {sweep}: {id} has no such parameter and is left out")));
     }
+    let mut frame = chosen;
     for Round { source, compared_estimators } in rounds {
         let clip = source.open(&given)?;
+        let is_of_pair = compared_estimators.iter().any(|compared| is_of_pair(&*compared.estimator));
+        let frame = *frame.get_or_insert_with(|| task::initial_frame(&clip, is_of_pair));
         if rows.is_empty() {
             refuse_losses(&inputs(args, &source, &clip, &given), &places(args), args.force)?;
             tell_truth(&clip);
@@ -156,8 +159,9 @@ fn tell_truth(clip: &Clip) {
 }
 
 /// Measures and prints the course's table.
-fn course(args: &CompareArgs, source: &Source, frame: usize) -> Result<(), Error> {
+fn course(args: &CompareArgs, source: &Source, frame: Option<usize>) -> Result<(), Error> {
     let clip = source.open(&Open::default())?;
+    let frame = frame.unwrap_or_else(|| task::initial_frame(&clip, true));
     let threads = Threads::new(args.threads as usize)?;
     let course_table = course_table::course_table(
         &Conditions { clip: &clip, frame, threads: &threads, repeats: repeats(args) },

@@ -5,7 +5,7 @@ use std::ffi::OsString;
 use std::path::Path;
 use std::sync::Arc;
 
-use motionscope_core::{AnyEstimator, Error, FRAMES, estimator};
+use motionscope_core::{AnyEstimator, Clip, Error, FRAMES, estimator};
 
 use super::args::{PictureArgs, TaskArgs};
 use crate::experiment::comparison;
@@ -160,13 +160,17 @@ pub fn prepare(args: &TaskArgs, experiment: Experiment) -> Result<Prepared, Erro
 fn begin_where_known(args: &TaskArgs, prepared: &mut Prepared) {
     let is_asked =
         args.frame.is_some() || args.frames.is_some() || named(args).is_ok_and(|named| named.session.is_some());
-    if is_asked || !is_of_pair(&*prepared.experiment.estimator) {
-        return;
+    if !is_asked {
+        let is_of_pair = is_of_pair(&*prepared.experiment.estimator);
+        prepared.experiment.frame = initial_frame(&prepared.clip, is_of_pair);
     }
-    if let Some(frame) = first_known_pair(&prepared.clip, || true) {
-        prepared.experiment.frame = frame;
-        remark(&format!("note: {} Choose another one with --frame.", told_of_pair(frame)));
-    }
+}
+
+/// The frame on which a run begins where none is named: the first, or that of the first pair whose true flow is known, with a note.
+pub fn initial_frame(clip: &Clip, is_of_pair: bool) -> usize {
+    let Some(frame) = is_of_pair.then(|| first_known_pair(clip, || true)).flatten() else { return 0 };
+    remark(&format!("note: {} Choose another one with --frame.", told_of_pair(frame)));
+    frame
 }
 
 /// Says of each of `settings` that has no effect on `estimators` why it has none, and which parameters have another name by now.

@@ -98,7 +98,7 @@ pub(crate) fn text_of(bytes: Vec<u8>) -> Result<String, Error> {
 }
 
 /// The byte-order mark.
-const MARK: char = '\u{FEFF}';
+pub(crate) const MARK: char = '\u{FEFF}';
 
 trait Bytes: Read + Seek + Send {}
 impl<T: Read + Seek + Send> Bytes for T {}

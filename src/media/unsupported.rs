@@ -2,6 +2,9 @@
 
 use motionscope_core::Error;
 
+use super::input;
+use super::truth::mot;
+
 /// Returns the error for a file that begins with `head` and is known not to be a clip: what it is, and what to do with it.
 ///
 /// Without this check, ffmpeg would render text files as video.
@@ -21,10 +24,13 @@ pub(crate) fn refusal(head: &[u8]) -> Option<Error> {
         return None;
     } else {
         let text = String::from_utf8_lossy(head);
-        let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
-        if lines.clone().any(|line| line.strip_prefix("motionscope").is_some_and(|rest| rest.trim().starts_with('='))) {
+        let text = text.trim_start_matches(input::MARK);
+        let mut lines = text.lines().map(str::trim);
+        if lines.any(|line| line.strip_prefix("motionscope").is_some_and(|rest| rest.trim().starts_with('='))) {
             ("a session", "give it a name that ends in .motionscope")
-        } else if lines.next().is_some_and(is_truth_row) {
+        } else if mot::is_detections(text) {
+            ("a MOTChallenge file of detections", "give it with --detections, or a name that ends in .txt")
+        } else if mot::is_objects(text) {
             ("a MOTChallenge file of tracks", TRUTH)
         } else {
             ("text", CLIP)
@@ -35,11 +41,6 @@ pub(crate) fn refusal(head: &[u8]) -> Option<Error> {
 
 const TRUTH: &str = "open the clip beside it, or give it with --truth";
 const CLIP: &str = "open a video, an animation, or a folder of pictures";
-
-/// Frame, identity, left, top, width and height at least.
-fn is_truth_row(line: &str) -> bool {
-    line.split(',').count() >= 6 && line.split(',').all(|cell| cell.trim().parse::<f64>().is_ok())
-}
 
 /// Whether this is text in any of the usual codes: no control characters, and mostly ASCII unless it is UTF-8.
 fn is_text(head: &[u8]) -> bool {
@@ -56,7 +57,9 @@ mod tests {
 
     #[test]
     fn what_a_file_is_and_what_to_do_is_reported() {
-        let cases: [(&[u8], [&str; 2]); 12] = [
+        let cases: [(&[u8], [&str; 2]); 14] = [
+            (b"1,-1,10,20.5,30,40,0.9\n", ["detections", "--detections"]),
+            (b"\xEF\xBB\xBF1;-1;10;20,5;30;40;0,9\n", ["detections", "--detections"]),
             (b"PIEH\x04\0\0\0", ["flow", "--truth"]),
             (b"1,1,10,20.5,30,40,1,1,0.9\n", ["MOTChallenge", "--truth"]),
             (b"\n 12, 3, -4, 20.5, 30, 40\r\n", ["MOTChallenge", "--truth"]),

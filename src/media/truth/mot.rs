@@ -92,11 +92,41 @@ pub(super) fn text(path: &Path) -> Result<String, Error> {
 }
 
 fn parse(text: &str) -> Result<Vec<Row>, String> {
+    check_header(text)?;
     table::rows(text).map(|(i, line)| row(i, line).map_err(|why| format!("line {i}: {why}"))).collect()
 }
 
 /// Classes of MOTChallenge that look like persons and are not scored: person on a vehicle, static person, distractor, reflection.
 const DISTRACTORS: [f64; 4] = [2.0, 7.0, 8.0, 12.0];
+
+/// The names that headers give the columns of a row.
+const COLUMNS: [&[&str]; 6] = [
+    &["frame", "frame_id", "frame_index", "frame_number", "frame_no", "t"],
+    &["id", "track_id", "object_id", "target_id", "identity", "track", "object"],
+    &["left", "bb_left", "x", "x1", "xmin", "x_min", "bb_x"],
+    &["top", "bb_top", "y", "y1", "ymin", "y_min", "bb_y"],
+    &["width", "bb_width", "w", "bb_w"],
+    &["height", "bb_height", "h", "bb_h"],
+];
+/// The names of columns that a row does not have.
+const OTHERS: [&str; 8] = ["right", "bottom", "x2", "y2", "xmax", "ymax", "x_max", "y_max"];
+
+/// Refuses a table whose header names other columns than those of a row, or another order.
+fn check_header(text: &str) -> Result<(), String> {
+    let first = text.lines().find(|line| !line.trim().is_empty()).filter(|line| table::is_header(line));
+    let names = first.map(table::cells).unwrap_or_default();
+    for (at, name) in names.into_iter().enumerate().take(COLUMNS.len()) {
+        let lower = name.trim_matches(['"', '#', ' ']).to_lowercase();
+        let own = COLUMNS.iter().position(|column| column.contains(&lower.as_str()));
+        if own.is_some_and(|own| own != at) || OTHERS.contains(&lower.as_str()) {
+            let at = at + 1;
+            return Err(format!(
+                "its header has {name} in column {at}; the columns must be frame, id, left, top, width, height"
+            ));
+        }
+    }
+    Ok(())
+}
 
 fn objects(text: &str) -> Result<Tracks, String> {
     let mut tracks = Tracks::default();
@@ -190,6 +220,18 @@ mod tests {
         let object = ObjectBox { id: 1, x: 0.5, y: -0.5, width: 4.0, height: 4.0, visibility: 0.25 };
         assert_eq!(frames[&1], [object]);
         assert_eq!(frames[&0][1].visibility, 1.0);
+    }
+
+    #[test]
+    fn a_header_with_other_columns_is_refused() {
+        let rows = |header: &str| objects(&format!("{header}\n1,1,1,1,4,4\n"));
+        for header in ["frame,id,bb_left,bb_top,bb_width,bb_height,conf,x,y,z", "Frame;Track_ID;X;Y;W;H"] {
+            assert_eq!(rows(header).map(|tracks| tracks.objects.len()), Ok(1), "{header}");
+        }
+        for (header, name) in [("id,frame,x,y,w,h", "id in column 1"), ("frame,id,x1,y1,x2,y2", "x2 in column 5")] {
+            let told = rows(header).unwrap_err();
+            assert!(told.contains(name), "{told}");
+        }
     }
 
     #[test]
