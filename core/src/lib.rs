@@ -89,7 +89,7 @@ pub mod objects {
 }
 
 pub use base::words::{capital, fixed, grouped, nearest, spaced, with_power};
-pub use base::{Count, Error, Observer, Stop, Tally, Threads};
+pub use base::{Count, Error, Observer, Stop, Tally, Threads, is_command, printable};
 pub use course::{compare, detection, estimator, estimators, examples, glossary};
 pub use data::{
     Blob, Calibration, Clip, ClipInfo, Counted, DepthSource, Detection, Disparity, Flow, Frame, FrameSource, Histogram,

@@ -7,7 +7,8 @@ use motionscope_core::{AnyEstimator, Clip, Error, Stop, Threads};
 
 use super::args::CompareArgs;
 use super::outputs::{Place, check_folder, refuse_losses};
-use super::{remark, say, task};
+use super::print::{remark, say, say_json};
+use super::task;
 use crate::experiment::comparison::{self, Conditions, Repeats, Round, Row};
 use crate::experiment::source::Source;
 use crate::experiment::{course_table, is_of_pair, sweeps};
@@ -87,7 +88,7 @@ pub fn compare(args: &CompareArgs) -> Result<(), Error> {
         export::save(path, comparison::csv(&rows).as_bytes())?;
     }
     match (args.json, args.markdown, &args.csv) {
-        (true, ..) => say(&comparison::json(&rows).to_string()),
+        (true, ..) => say_json(&comparison::json(&rows).to_string()),
         (_, true, _) => say(&comparison::markdown(&rows)),
         (_, _, Some(path)) if path.as_os_str() == "-" => Ok(()),
         _ if args.plot.as_deref() == Some(Path::new("-")) => Ok(()),
@@ -168,7 +169,7 @@ fn course(args: &CompareArgs, source: &Source, frame: Option<usize>) -> Result<(
         &Stop::default(),
     )?;
     match (args.json, args.markdown) {
-        (true, _) => say(&course_table::json(&course_table).to_string()),
+        (true, _) => say_json(&course_table::json(&course_table).to_string()),
         (_, true) => say(&course_table::markdown(&course_table)),
         _ => say(&course_table::text(&course_table)),
     }

@@ -12,13 +12,13 @@ mod list;
 mod look;
 mod outputs;
 mod paper;
+mod print;
 mod report;
 mod run;
 mod search;
 mod task;
 
 use std::ffi::OsString;
-use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -31,6 +31,7 @@ use crate::media::{self, Given, Info, Open};
 use crate::session::Named;
 use crate::ui;
 use args::{Args, Command};
+use print::{say, say_json};
 
 /// Runs the command; errors go to standard error as one sentence.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
@@ -69,17 +70,17 @@ fn run(args: Args) -> Result<(), Error> {
         None => window(args.clip.map(|clip| task::clip_name(clip, args.next)).transpose()?),
         Some(Command::List { estimators, json }) => {
             let all = list::chosen(&estimators)?;
-            say(&if json { list::json(&all) } else { list::text(&all, !estimators.is_empty()) })
+            if json { say_json(&list::json(&all)) } else { say(&list::text(&all, !estimators.is_empty())) }
         }
-        Some(Command::Glossary { term, json }) => say(&glossary(&query(&term)?, json)?),
-        Some(Command::Search { words, json }) => say(&search::found(&query(&words)?, json)?),
-        Some(Command::Lessons { lesson, json }) => say(&lessons::listed(lesson.as_deref(), json)?),
+        Some(Command::Glossary { term, json }) => said(json)(&glossary(&query(&term)?, json)?),
+        Some(Command::Search { words, json }) => said(json)(&search::found(&query(&words)?, json)?),
+        Some(Command::Lessons { lesson, json }) => said(json)(&lessons::listed(lesson.as_deref(), json)?),
         Some(Command::Info { clip, next, json, count, truth, stereo }) => {
             let clip = task::clip_name(clip, next)?;
             let Named { source, given, .. } = Named::find(&clip, stereo.with(Given { truth, ..Given::default() }))?;
             let clip = source.open(&Open { count, given, ..Open::default() })?;
             let info = Info::of(&clip).with_repeats(&clip, count);
-            say(&if json { report::to_json(&info)? } else { info.to_string() })
+            if json { say_json(&report::to_json(&info)?) } else { say(&info.to_string()) }
         }
         Some(Command::Synth { name, out, set, list }) => match (name, out) {
             (Some(name), Some(out)) if !list => synth(&name, &out, &set),
@@ -90,6 +91,11 @@ fn run(args: Args) -> Result<(), Error> {
         Some(Command::Export(args)) => export::export(&args),
         Some(Command::Compare(args)) => compare::compare(&args),
     }
+}
+
+/// How a command with and without --json prints.
+fn said(json: bool) -> fn(&str) -> Result<(), Error> {
+    if json { say_json } else { say }
 }
 
 fn window(clip: Option<OsString>) -> Result<(), Error> {
@@ -125,32 +131,4 @@ fn synth(name: &str, out: &Path, settings: &[String]) -> Result<(), Error> {
     media::export::clip(&clip, out, None)?;
     let frames = clip.info().frames.unwrap_or_default();
     say(&format!("{}: {frames} frames with ground truth in {}", clip.info().name, out.display()))
-}
-
-/// Writes a warning or a note to standard error.
-fn remark(text: &str) {
-    eprintln!("{}", printable(text));
-}
-
-/// Text for a terminal: lines and tabs stay; other control characters, which could be commands to it, and those that turn the direction
-/// of writing become `�`. Names of files and cameras and the words of lessons come from elsewhere.
-fn printable(text: &str) -> String {
-    let shown = |c: char| match c {
-        '\n' | '\t' => c,
-        '\u{202A}'..='\u{202E}' | '\u{2066}'..='\u{2069}' => char::REPLACEMENT_CHARACTER,
-        c if c.is_control() => char::REPLACEMENT_CHARACTER,
-        c => c,
-    };
-    text.replace("\r\n", "\n").chars().map(shown).collect()
-}
-
-/// Writes `text` to standard output; a closed pipe is no error.
-fn say(text: &str) -> Result<(), Error> {
-    let end = if text.ends_with('\n') { "" } else { "\n" };
-    match write!(io::stdout().lock(), "{}{end}", printable(text)) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Error::new(format!("standard output cannot be written: {error}")))
-        }
-        _ => Ok(()),
-    }
 }

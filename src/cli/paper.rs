@@ -6,7 +6,7 @@ use clap::Args as Group;
 use motionscope_core::{Cursor, Error};
 
 use super::outputs::{check_folder, refuse_losses};
-use super::say;
+use super::print::say;
 use crate::experiment::Prepared;
 use crate::experiment::pixel::Chosen;
 use crate::media::export::{Inputs, Target, save_result};

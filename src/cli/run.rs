@@ -1,6 +1,5 @@
 //! `motionscope run`: runs an estimator, prints its report and saves its results.
 
-use super::{printable, remark};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -14,8 +13,8 @@ use motionscope_core::{
 
 use super::args::RunArgs;
 use super::outputs::{self, check_folder, refuse_losses};
+use super::print::{remark, say, say_beside, say_json};
 use super::report::{ExplainedPixel, Findings, Report, Timing, to_json};
-use super::say;
 use super::task;
 use crate::experiment::pixel::{Chosen, Pixel};
 use crate::experiment::{Position, Prepared, is_of_pair, is_repeated, repeated_note};
@@ -109,10 +108,10 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     made.iter().try_for_each(|(export, path, made)| export.save(path, made).map(drop))?;
     let is_piped = outputs.is_piped;
     match (args.json, is_piped) {
-        (true, _) => say(&to_json(&report)?),
+        (true, _) => say_json(&to_json(&report)?),
         (false, false) => say(&report.text()),
         (false, true) => {
-            eprint!("{}", printable(&report.text()));
+            say_beside(&report.text());
             Ok(())
         }
     }

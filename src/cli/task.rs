@@ -1,6 +1,6 @@
 //! The task of a run or an export: a session from a file, or one put together from flags.
 
-use super::remark;
+use super::print::remark;
 use std::ffi::OsString;
 use std::path::Path;
 use std::sync::Arc;
@@ -177,10 +177,10 @@ pub fn initial_frame(clip: &Clip, is_of_pair: bool) -> usize {
 pub fn warn_of_idle(estimators: &[&dyn AnyEstimator], settings: &[String]) {
     for setting in settings {
         if let Some(note) = comparison::renamed(estimators, setting) {
-            remark(&format!("note: --set {setting}: {note}"));
+            remark(&format!("note: --set {}: {note}", Error::short_name(setting)));
         }
         if let Some(why) = comparison::why_idle(estimators, setting) {
-            remark(&format!("warning: --set {setting}: {why}"));
+            remark(&format!("warning: --set {}: {why}", Error::short_name(setting)));
         }
     }
 }

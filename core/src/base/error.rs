@@ -34,13 +34,23 @@ impl Error {
 
 /// `text` on one line: line ends and tabs are blanks, and what cannot be seen or turns the direction of writing is a `�`.
 fn visible(text: &str) -> String {
-    let shown = |c: char| match c {
-        '\t' | '\n' | '\r' | '\u{2028}' | '\u{2029}' => ' ',
-        '\u{200E}' | '\u{200F}' | '\u{202A}'..='\u{202E}' | '\u{2066}'..='\u{2069}' => char::REPLACEMENT_CHARACTER,
-        c if c.is_control() => char::REPLACEMENT_CHARACTER,
-        c => c,
-    };
-    text.replace("\r\n", "\n").chars().map(shown).collect()
+    let blank = |c: char| if matches!(c, '\t' | '\n' | '\r' | '\u{2028}' | '\u{2029}') { ' ' } else { c };
+    printable(&text.replace("\r\n", "\n").chars().map(blank).collect::<String>())
+}
+
+/// Whether a terminal obeys this character instead of showing it, or writes what follows in another direction.
+pub fn is_command(c: char) -> bool {
+    matches!(c, '\u{200E}' | '\u{200F}' | '\u{202A}'..='\u{202E}' | '\u{2066}'..='\u{2069}')
+        || (c.is_control() && !matches!(c, '\t' | '\n'))
+}
+
+/// `text` as a terminal may show it: lines and tabs stay, and each other character that a terminal would obey is a `�`.
+///
+/// ```
+/// assert_eq!(motionscope_core::printable("a\u{1B}]0;title\u{7}\n\tb"), "a�]0;title�\n\tb");
+/// ```
+pub fn printable(text: &str) -> String {
+    text.replace("\r\n", "\n").chars().map(|c| if is_command(c) { char::REPLACEMENT_CHARACTER } else { c }).collect()
 }
 
 /// `text` with at most `most` characters: the middle of a longer one is left out.

@@ -11,7 +11,7 @@ pub mod threads;
 pub mod wide;
 pub mod words;
 
-pub use error::Error;
+pub use error::{Error, is_command, printable};
 pub use observer::{Count, Mapped, Observer, Tally};
 pub use stop::Stop;
 pub(crate) use threads::Earlier;
