@@ -1,7 +1,7 @@
 //! Cameras through the user's own ffmpeg.
 
 use std::ffi::OsString;
-use std::io::{BufRead, BufReader, ErrorKind, Read};
+use std::io::ErrorKind;
 use std::path::PathBuf;
 use std::process::Stdio;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -12,18 +12,19 @@ use motionscope_core::{Error, Stop};
 
 use super::devices::described;
 use super::{CameraFeed, Cameras, Device, Format, Platform, Size, Stream, TestPicture};
-use crate::media::video::ffmpeg::{Running, is_old, program};
+use crate::media::helper::{self, Failure, Limits, Running, program};
+use crate::media::video::ffmpeg::is_old;
 
 /// Time that ffmpeg may take to list the cameras.
 const LISTING: Duration = Duration::from_secs(10);
+/// Bytes that it may print for that.
+const MOST_BYTES: u64 = 1 << 20;
 /// Time in which a process that closed its pipe ends by itself and says why.
 const ENDING: Duration = Duration::from_millis(500);
 /// How often a waiting thread looks.
 const POLL: Duration = Duration::from_millis(10);
 /// Frames per second that a camera is asked for.
 const RATE: u32 = 30;
-/// Lines of messages that are kept.
-const MOST_LINES: usize = 20;
 
 /// The cameras that ffmpeg reaches.
 pub struct Ffmpeg {
@@ -48,27 +49,17 @@ impl Ffmpeg {
     /// Returns the text that ffmpeg prints for `arguments`, errors included.
     fn printed(&self, arguments: &[&str], stop: &Stop) -> Result<String, Error> {
         let mut command = program(&self.program);
-        let child = command.args(arguments).stderr(Stdio::piped()).spawn().map_err(|error| unstarted(&error))?;
-        let mut child = Running(child);
-        let pipes = [child.0.stdout.take().map(boxed), child.0.stderr.take().map(boxed)];
-        let readers = pipes.into_iter().flatten().map(|mut pipe| {
-            thread::spawn(move || {
-                let mut bytes = Vec::new();
-                // A pipe that breaks has printed nothing.
-                pipe.read_to_end(&mut bytes).map_or_else(|_| String::new(), |_| String::from_utf8_lossy(&bytes).into())
-            })
-        });
-        let (readers, begun): (Vec<_>, _) = (readers.collect(), Instant::now());
-        while !readers.iter().all(|reader| reader.is_finished()) {
-            stop.check()?;
-            if begun.elapsed() > LISTING {
-                return Err(Error::new(
-                    "ffmpeg does not answer; unplug the camera, plug it in again and list it again",
-                ));
+        command.args(arguments).stderr(Stdio::piped());
+        let limits = Limits { time: LISTING, bytes: MOST_BYTES };
+        let printed = helper::output(command, limits, &|| stop.check()).map_err(|failure| match failure {
+            Failure::Unstarted(error) => unstarted(&error),
+            Failure::Stopped(error) => error,
+            Failure::Late => {
+                Error::new("ffmpeg does not answer; unplug the camera, plug it in again and list it again")
             }
-            thread::sleep(POLL);
-        }
-        Ok(readers.into_iter().filter_map(|reader| reader.join().ok()).collect())
+            Failure::Flooded => Error::new("ffmpeg answers without end; install it again (ffmpeg.org)"),
+        })?;
+        Ok([printed.output, printed.errors].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat())
     }
 
     fn cameras(&self) -> Result<Vec<Device>, Error> {
@@ -86,10 +77,6 @@ impl Ffmpeg {
         let printed = self.printed(&["-version"], stop)?;
         Ok(printed.strip_prefix("ffmpeg version ").unwrap_or(&printed).to_owned())
     }
-}
-
-fn boxed(pipe: impl Read + Send + 'static) -> Box<dyn Read + Send> {
-    Box::new(pipe)
 }
 
 /// Why ffmpeg does not start, and what to do.
@@ -124,15 +111,11 @@ impl Cameras for Ffmpeg {
         let mut child = Running(command.stderr(Stdio::piped()).spawn().map_err(|error| unstarted(&error))?);
         let missing = || Error::new("ffmpeg does not answer; start Motionscope again");
         let (pipe, errors) = (child.0.stdout.take().ok_or_else(missing)?, child.0.stderr.take().ok_or_else(missing)?);
-        let said = Arc::<Mutex<Vec<String>>>::default();
+        let said = Arc::<Mutex<String>>::default();
         let messages = Arc::clone(&said);
         thread::spawn(move || {
-            for line in BufReader::new(errors).lines().map_while(Result::ok) {
-                let mut kept = messages.lock().unwrap_or_else(PoisonError::into_inner);
-                if kept.len() < MOST_LINES {
-                    kept.push(line);
-                }
-            }
+            let keep = |piece: &str| messages.lock().unwrap_or_else(PoisonError::into_inner).push_str(piece);
+            helper::read_messages(errors, keep);
         });
         let stream = Stream::new(pipe)?;
         Ok(Box::new(Pipe { stream, child, said, name: name.clone(), size, platform: self.platform }))
@@ -143,7 +126,7 @@ impl Cameras for Ffmpeg {
 struct Pipe {
     stream: Stream,
     child: Running,
-    said: Arc<Mutex<Vec<String>>>,
+    said: Arc<Mutex<String>>,
     name: String,
     size: Size,
     platform: Platform,
@@ -162,7 +145,7 @@ impl Pipe {
         }
         // The last lines may be on their way.
         thread::sleep(POLL);
-        let said = self.said.lock().unwrap_or_else(PoisonError::into_inner).join("\n");
+        let said = self.said.lock().unwrap_or_else(PoisonError::into_inner).clone();
         Error::new(format!("{}: {}", self.name, reason(&said, self.size, self.platform)))
     }
 }

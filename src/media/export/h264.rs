@@ -1,19 +1,26 @@
 //! H.264 video in an MP4 file, by the user's own ffmpeg, which reads the pictures from a pipe.
 
-use std::io::{self, Read as _, Write as _};
+use std::io::{self, Write as _};
 use std::path::Path;
-use std::process::{ChildStdin, Command, Stdio};
+use std::process::{ChildStdin, Stdio};
+use std::sync::mpsc::channel;
+use std::time::Duration;
 use std::{env, fs, thread};
 
 use motionscope_core::{Clip, Error, Frame};
 
 use super::save::save_file;
+use crate::media::helper::{Watched, program, read_messages};
 use crate::media::{Progress, temporary};
 
-/// How much of the errors of ffmpeg is read.
-const MOST_SAID_BYTES: u64 = 64 << 10;
 /// Frames per second of a clip whose rate is not known.
 const USUAL_HZ: f64 = 25.0;
+
+/// The longest that ffmpeg may take for a picture, or to finish the file behind the last one.
+const PATIENCE: Duration = Duration::from_secs(300);
+
+/// How long its messages are waited for once it has ended.
+const ENDING: Duration = Duration::from_secs(1);
 
 /// A video that is to be encoded.
 pub(super) struct Video {
@@ -33,6 +40,7 @@ pub(super) struct Video {
 pub(super) struct Pipe<'a> {
     video: &'a Video,
     input: ChildStdin,
+    watched: &'a Watched,
 }
 
 impl Pipe<'_> {
@@ -41,6 +49,7 @@ impl Pipe<'_> {
     /// # Errors
     /// If ffmpeg has ended.
     pub fn put(&mut self, rgb: &[u8]) -> Result<(), Error> {
+        let _writing = self.watched.expect_progress();
         self.input.write_all(rgb).map_err(|error| self.video.failed(&error))
     }
 }
@@ -73,7 +82,7 @@ impl Video {
     ) -> Result<(), Error> {
         // The table of an MP4 file is written last and moved to its front: that needs a file, not a pipe.
         let ([width, height], rate) = (self.size, (1000.0 * self.rate_hz).round() / 1000.0);
-        let mut child = Command::new("ffmpeg")
+        let mut child = program("ffmpeg")
             .args(["-hide_banner", "-loglevel", "error", "-nostdin", "-f", "rawvideo", "-pix_fmt", "rgb24"])
             .args(["-video_size", &format!("{width}x{height}"), "-framerate", &rate.to_string(), "-i", "pipe:0"])
             // The chroma of 4:2:0 needs even sides; the matrix is that of high definition, and says so.
@@ -86,26 +95,33 @@ impl Video {
             .stderr(Stdio::piped())
             .spawn()
             .map_err(|error| self.absent(&error))?;
-        let mut errors = child.stderr.take();
-        let said = thread::spawn(move || {
-            let mut bytes = Vec::new();
-            let Some(errors) = &mut errors else { return String::new() };
-            // The rest is read as well, so that the program does not wait for a reader.
-            let read = errors.by_ref().take(MOST_SAID_BYTES).read_to_end(&mut bytes);
-            read.and_then(|_| io::copy(errors, &mut io::sink())).ok();
-            String::from_utf8_lossy(&bytes).into_owned()
+        let (errors, input) = (child.stderr.take(), child.stdin.take());
+        let (sender, said) = channel();
+        thread::spawn(move || {
+            let mut text = String::new();
+            errors.into_iter().for_each(|errors| read_messages(errors, |piece| text.push_str(piece)));
+            // Nobody waits for it any more where another process keeps the pipe open.
+            sender.send(text).unwrap_or_default();
         });
+        let watched = Watched::new(child, PATIENCE);
         // The pipe is closed behind the last picture.
-        let poured = match child.stdin.take() {
-            Some(input) => pour(&mut Pipe { video: self, input }),
+        let poured = match input {
+            Some(input) => pour(&mut Pipe { video: self, input, watched: &watched }),
             None => Err(self.failed(&"ffmpeg has no input")),
         };
         if poured.is_err() {
             // It may be at work still; what it made is thrown away.
-            child.kill().unwrap_or_default();
+            watched.end();
         }
-        let status = child.wait().map_err(|error| self.failed(&error))?;
-        let said = said.join().unwrap_or_default();
+        let status =
+            watched.wait(&|| progress.is_some_and(Progress::cancelled)).map_err(|error| self.failed(&error))?;
+        let said = said.recv_timeout(ENDING).unwrap_or_default();
+        // The name of an unfinished file means nothing to anybody.
+        let said = said.replace(&file.display().to_string(), "the file");
+        if watched.is_late() {
+            let why = format!("ffmpeg took nothing for {} s; {} instead", PATIENCE.as_secs(), self.instead);
+            return Err(self.failed(&why));
+        }
         let line = said.lines().map(str::trim).find(|line| !line.is_empty());
         let is_cancelled = progress.is_some_and(Progress::cancelled);
         match (poured, line) {
@@ -208,7 +224,7 @@ mod tests {
 
     /// Whether there is an ffmpeg that encodes H.264.
     fn can_encode() -> bool {
-        let listed = Command::new("ffmpeg").args(["-hide_banner", "-encoders"]).output();
+        let listed = std::process::Command::new("ffmpeg").args(["-hide_banner", "-encoders"]).output();
         listed.is_ok_and(|listed| String::from_utf8_lossy(&listed.stdout).contains("libx264"))
     }
 

@@ -2,10 +2,10 @@
 //!
 //! ffprobe tells what the file is, ffmpeg pipes its frames as portable pixmaps. Neither sees a shell or the network.
 
-use std::ffi::{OsStr, OsString};
+use std::ffi::OsString;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
-use std::process::{Child, ChildStdout, Command, Stdio};
+use std::process::ChildStdout;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -14,6 +14,7 @@ use motionscope_core::{ClipInfo, Error, Frame, Grid, Stop};
 use serde::Deserialize;
 
 use super::FfmpegReason;
+use crate::media::helper::{self, Failure, Limits, Running, program};
 use crate::media::{Decoder, Open, Source, check_size, name_of};
 
 /// Frames that are decoded before the one sought, so that stepping back is at hand.
@@ -22,12 +23,16 @@ const RUN_UP_FRAMES: usize = 24;
 const MOST_FRAMES_AHEAD: usize = 250;
 /// Frames before the first one wanted at which ffmpeg is set: those next to a key frame may need what lies before it.
 const MARGIN_FRAMES: usize = 32;
-/// The longest answer of ffprobe that is read: the packets of days of video.
-const MOST_ANSWER_BYTES: u64 = 256 << 20;
-/// For how long an answer or a frame is waited for.
-const PATIENCE: Duration = Duration::from_secs(120);
 /// How often a waiting thread asks whether it should stop.
 const POLL: Duration = Duration::from_millis(10);
+/// The limits of ffprobe where it reads the header of a file.
+const HEADER: Limits = Limits { time: Duration::from_secs(60), bytes: 4 << 20 };
+/// Its limits where it lists the packets of the whole file, which may come over a slow network.
+const PACKETS: Limits = Limits { time: Duration::from_secs(30 * 60), bytes: 256 << 20 };
+/// Its limits where it decodes the whole file to count its frames.
+const COUNTING: Limits = Limits { time: Duration::from_secs(6 * 60 * 60), bytes: 4 << 20 };
+/// The longest that ffmpeg may take for a frame, with those that it decodes and throws away before it.
+const FRAME: Duration = Duration::from_secs(120);
 /// Formats of text in colours, of which ffmpeg makes the screen of an old terminal.
 const SCREENS: [&str; 5] = ["tty", "bin", "xbin", "adf", "idf"];
 /// Containers without an index, where packets are no frames.
@@ -63,6 +68,7 @@ pub(super) fn open(path: &Path, options: &Open, why: &FfmpegReason) -> Result<So
         running: None,
         next: 0,
         first: None,
+        patience: FRAME,
     };
     decoder.start(0)?;
     let first = decoder.read(&|| options.report(0.0));
@@ -169,7 +175,7 @@ impl Probe {
     fn run(path: &Path, options: &Open, why: &FfmpegReason) -> Result<Self, Error> {
         let entries = "stream=codec_name,avg_frame_rate,r_frame_rate,nb_frames,sample_aspect_ratio,field_order:format=format_name";
         let what = ["-show_program_version", "-show_entries", entries];
-        let answer = ask(path, &what, options).map_err(|failed| failed.explained(why))?;
+        let answer = ask(path, &what, HEADER, options).map_err(|failed| failed.explained(why))?;
         let version = answer.program_version.map(|version| version.version).unwrap_or_default();
         match (answer.streams.into_iter().next(), answer.format) {
             (_, Some(format)) if SCREENS.contains(&format.format_name.as_str()) => Err(Failed::Refused.explained(why)),
@@ -184,7 +190,7 @@ impl Probe {
         if self.format.format_name.split(',').any(|name| STREAMS.contains(&name)) {
             return Ok(None);
         }
-        let answer = match ask(path, &["-show_entries", "packet=pts_time,flags"], options) {
+        let answer = match ask(path, &["-show_entries", "packet=pts_time,flags"], PACKETS, options) {
             Ok(answer) => answer,
             Err(Failed::Stopped(error)) => return Err(error),
             Err(_) => return Ok(None),
@@ -200,7 +206,7 @@ impl Probe {
 
     /// The number of frames, by decoding them all.
     fn count(&self, path: &Path, options: &Open) -> Result<usize, Error> {
-        let answer = ask(path, &["-count_frames", "-show_entries", "stream=nb_read_frames"], options);
+        let answer = ask(path, &["-count_frames", "-show_entries", "stream=nb_read_frames"], COUNTING, options);
         let read = answer.ok().and_then(|answer| answer.streams.into_iter().next()?.nb_read_frames?.parse().ok());
         options.report(1.0)?;
         read.ok_or_else(|| Error::new("its frames cannot be counted; open it without counting"))
@@ -235,6 +241,8 @@ enum Failed {
     Refused,
     /// It was told to stop.
     Stopped(Error),
+    /// It took too long, or printed too much, and was ended.
+    Ended(&'static str),
 }
 
 impl Failed {
@@ -251,49 +259,26 @@ impl Failed {
             Failed::Refused => {
                 format!("{error}, and the ffmpeg of this computer cannot read it; convert it, or copy it again")
             }
+            Failed::Ended(why) => {
+                format!("{error}, and the ffprobe of this computer {why}; convert it, or copy it again")
+            }
             Failed::Stopped(error) => return error,
         })
     }
 }
 
-/// A program of the user's, without a console window of its own.
-pub(in crate::media) fn program(name: impl AsRef<OsStr>) -> Command {
-    let mut command = Command::new(name);
-    #[cfg(windows)]
-    {
-        const CREATE_NO_WINDOW: u32 = 0x0800_0000;
-        std::os::windows::process::CommandExt::creation_flags(&mut command, CREATE_NO_WINDOW);
-    }
-    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null());
-    command
-}
-
 /// What ffprobe answers about the first video stream of the file at `path`.
-fn ask(path: &Path, what: &[&str], options: &Open) -> Result<Answer, Failed> {
+fn ask(path: &Path, what: &[&str], limits: Limits, options: &Open) -> Result<Answer, Failed> {
     let mut command = program("ffprobe");
     command.args(["-v", "error", "-protocol_whitelist", "file,pipe", "-select_streams", "V:0", "-of", "json"]);
     command.args(what).arg(url(path));
-    let mut child = Running(command.spawn().map_err(|_| Failed::Absent)?);
-    let output = child.0.stdout.take().ok_or(Failed::Refused)?;
-    let reader = thread::spawn(move || {
-        let mut text = Vec::new();
-        output.take(MOST_ANSWER_BYTES).read_to_end(&mut text).map(|_| text)
-    });
-    let begun = Instant::now();
-    // To decode all frames may take as long as it takes; it can be cancelled.
-    let is_bounded = !what.contains(&"-count_frames");
-    while !reader.is_finished() {
-        options.report(0.0).map_err(Failed::Stopped)?;
-        if is_bounded && begun.elapsed() > PATIENCE {
-            return Err(Failed::Refused);
-        }
-        thread::sleep(POLL);
-    }
-    let text = reader.join().ok().and_then(Result::ok).ok_or(Failed::Refused)?;
-    if text.len() as u64 == MOST_ANSWER_BYTES {
-        return Err(Failed::Refused);
-    }
-    serde_json::from_slice(&text).map_err(|_| Failed::Refused)
+    let printed = helper::output(command, limits, &|| options.report(0.0)).map_err(|failure| match failure {
+        Failure::Unstarted(_) => Failed::Absent,
+        Failure::Stopped(error) => Failed::Stopped(error),
+        Failure::Late => Failed::Ended("does not answer"),
+        Failure::Flooded => Failed::Ended("answers without end"),
+    })?;
+    serde_json::from_slice(&printed.output).map_err(|_| Failed::Refused)
 }
 
 /// A local file, whatever its name looks like.
@@ -303,17 +288,6 @@ fn url(path: &Path) -> OsString {
     url
 }
 
-/// A child process that does not outlive its owner.
-pub(in crate::media) struct Running(pub Child);
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        // It may have ended by itself.
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
 struct Ffmpeg {
     path: std::path::PathBuf,
     old: bool,
@@ -321,6 +295,8 @@ struct Ffmpeg {
     running: Option<(Running, Receiver<Result<Frame, Error>>)>,
     next: usize,
     first: Option<Frame>,
+    /// The longest that it may take for a frame.
+    patience: Duration,
 }
 
 impl Ffmpeg {
@@ -353,14 +329,14 @@ impl Ffmpeg {
         let begun = Instant::now();
         let frame = loop {
             go_on()?;
-            if begun.elapsed() > PATIENCE {
-                let seconds = PATIENCE.as_secs();
-                return Err(Error::new(format!(
-                    "ffmpeg has delivered no frame for {seconds} s; convert the clip, or copy it again"
-                )));
-            }
             match frames.recv_timeout(POLL) {
                 Ok(frame) => break frame?,
+                Err(RecvTimeoutError::Timeout) if begun.elapsed() > self.patience => {
+                    let seconds = self.patience.as_secs_f32();
+                    return Err(Error::new(format!(
+                        "the ffmpeg of this computer sent no frame for {seconds:.0} s; convert the clip to MP4 with H.264"
+                    )));
+                }
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return Ok(None),
             }
@@ -442,6 +418,8 @@ fn read_pixmap(pipe: &mut impl BufRead) -> Result<Option<Frame>, Error> {
 
 #[cfg(test)]
 mod tests {
+    use std::process::Stdio;
+
     use super::*;
 
     fn probe(version: &str) -> Probe {
@@ -462,14 +440,31 @@ mod tests {
     }
 
     #[cfg(unix)]
+    fn ffmpeg(running: Option<(Running, Receiver<Result<Frame, Error>>)>, patience: Duration) -> Ffmpeg {
+        Ffmpeg { path: "clip".into(), old: false, times: None, running, next: 7, first: None, patience }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_process_that_sends_nothing_is_ended_in_time() {
+        let mut child = Running(program("sleep").arg("600").spawn().unwrap());
+        let process = std::path::PathBuf::from(format!("/proc/{}", child.0.id()));
+        let pipe = child.0.stdout.take().unwrap();
+        let running = Some((child, frames(BufReader::new(pipe))));
+        let mut silent = ffmpeg(running, Duration::from_millis(200));
+        let why = silent.decode(7, &Stop::default(), &mut |_, _| {}).unwrap_err().to_string();
+        assert!(why.contains("no frame") && silent.running.is_none() && !process.exists(), "{why}");
+    }
+
+    #[cfg(unix)]
     #[test]
     fn a_process_that_nobody_waits_for_is_ended() {
-        let mut command = Command::new("sleep");
+        let mut command = program("sleep");
         let mut child = Running(command.arg("600").stdout(Stdio::piped()).spawn().unwrap());
         let process = std::path::PathBuf::from(format!("/proc/{}", child.0.id()));
         let pipe = child.0.stdout.take().unwrap();
         let running = Some((child, frames(BufReader::new(pipe))));
-        let mut silent = Ffmpeg { path: "clip".into(), old: false, times: None, running, next: 7, first: None };
+        let mut silent = ffmpeg(running, FRAME);
         let stop = Stop::default();
         let asker = stop.clone();
         let asked = thread::spawn(move || {
