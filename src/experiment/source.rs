@@ -64,14 +64,16 @@ impl Source {
     /// # Errors
     /// If one of them cannot be part of such a name.
     pub fn pair(first: &OsStr, second: &OsStr) -> Result<OsString, Error> {
-        let is_plain = |name: &OsStr| {
-            name.to_str().is_some_and(|name| !name.is_empty() && !name.contains(BETWEEN) && !name.starts_with(SYNTH))
+        let fault = |name: &OsStr| match name.to_str() {
+            None => Some("its name is not UTF-8; rename the file".to_owned()),
+            Some("") => Some("it has no name; name two picture files".to_owned()),
+            Some(name) if name.contains(BETWEEN) => Some(format!("its name has a {BETWEEN} in it; rename the file")),
+            Some(name) if name.starts_with(SYNTH) => Some("it is a synthetic clip; name two picture files".to_owned()),
+            Some(_) => None,
         };
-        if let Some(odd) = [first, second].into_iter().find(|name| !is_plain(name)) {
-            return Err(Error::new(format!(
-                "{} cannot be one of two pictures; name two picture files, without {BETWEEN} in their names",
-                Error::short_name(&odd.display().to_string())
-            )));
+        if let Some((odd, why)) = [first, second].into_iter().find_map(|name| Some((name, fault(name)?))) {
+            let odd = Error::short_name(&odd.display().to_string());
+            return Err(Error::new(format!("{odd} cannot be one of two pictures: {why}")));
         }
         Ok(format!("{PAIR}{}{BETWEEN}{}", first.display(), second.display()).into())
     }
@@ -118,6 +120,15 @@ impl Source {
             Self::File(path) => media::inputs(Some(path), clip, options),
             Self::Pair(files) => media::inputs_of_pair(files, clip, options),
             Self::Synth { .. } => media::inputs(None, clip, options),
+        }
+    }
+
+    /// Returns the paths of its files, without standard input.
+    pub fn paths(&self) -> Vec<&Path> {
+        match self {
+            Self::Pair(files) => files.iter().map(PathBuf::as_path).collect(),
+            Self::File(path) if path != Path::new("-") => vec![path.as_path()],
+            Self::File(_) | Self::Synth { .. } => Vec::new(),
         }
     }
 

@@ -25,6 +25,11 @@ pub(crate) struct Lazy {
     cache: Mutex<Cache>,
 }
 
+/// The most that cached frames may take: an eighth of the free memory, so that both views leave most of it to runs.
+fn most_bytes() -> usize {
+    usize::try_from(motionscope_core::memory::free() / 8).unwrap_or(usize::MAX)
+}
+
 impl Lazy {
     /// The clip in `source`, whose cached frames take up to `cache_bytes`.
     pub(crate) fn new(source: Source, cache_bytes: usize) -> Self {
@@ -34,7 +39,7 @@ impl Lazy {
             size: (info.width, info.height),
             files,
             decoder: Mutex::new(decoder),
-            cache: Mutex::new(Cache::new(cache_bytes)),
+            cache: Mutex::new(Cache::new(cache_bytes.min(most_bytes()))),
         }
     }
 

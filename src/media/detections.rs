@@ -8,13 +8,11 @@ use motionscope_core::{Bounds, Clip, Detection, Error};
 
 use super::input::{self, Node};
 use super::names::{extension, file_name};
-use super::truth::mot;
+use super::truth::mot::{self, MOST_IN_A_FRAME};
 use super::{about, check_size};
 
 /// Margin around the boxes of a clip without images, in px.
 const MARGIN_PX: f32 = 16.0;
-/// More detections in a frame are not shared out among objects in any sensible time.
-const MOST_IN_A_FRAME: usize = 5_000;
 
 /// The bytes in which the first row of a table is looked for.
 const BEGINNING_BYTES: u64 = 4096;

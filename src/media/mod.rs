@@ -11,6 +11,7 @@ mod depths;
 mod detect_format;
 mod detections;
 pub mod export;
+mod helper;
 mod info;
 pub(crate) mod input;
 pub(crate) mod names;
@@ -31,7 +32,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use motionscope_core::{Clip, ClipInfo, Error, Frame, Stop, Truth};
+use motionscope_core::{Clip, ClipInfo, Error, Frame, Stop, Truth, memory};
 
 use detect_format::Kind;
 use export::{InputKind, Inputs};
@@ -82,6 +83,14 @@ impl Given {
             depths: later.depths.or(self.depths),
             depth_scale: later.depth_scale.or(self.depth_scale),
         }
+    }
+
+    /// The paths of these files.
+    pub fn paths(&self) -> impl Iterator<Item = &Path> {
+        let Self { truth, detections, right, calibration, depths, .. } = self;
+        let right = right.as_ref().filter(|view| **view != RightView::SideBySide).map(RightView::path);
+        let calibration = calibration.as_ref().and_then(GivenCalibration::path);
+        [truth.as_deref(), detections.as_deref(), right, calibration, depths.as_deref()].into_iter().flatten()
     }
 
     /// The same with `f` applied to the path of each file.
@@ -212,7 +221,38 @@ pub(crate) fn check_size(width: usize, height: usize) -> Result<(), Error> {
              be opened, so the file is damaged or must be scaled down first"
         )));
     }
-    Ok(())
+    check_memory(width * height)
+}
+
+/// Bytes per pixel that decoding takes: the decoded picture, its copy in eight bits, and the frame in gray and in colour.
+const DECODING: u64 = 4 + 3 + 1 + 3;
+/// Smaller pictures are decoded without asking for the free memory, which takes about as long as decoding them.
+const SMALL_BYTES: u64 = 64 << 20;
+
+/// Refuses pictures for which there is not enough memory.
+fn check_memory(pixels: usize) -> Result<(), Error> {
+    let need = DECODING.saturating_mul(pixels as u64);
+    if need < SMALL_BYTES || need <= memory::free() {
+        return Ok(());
+    }
+    let [need, free] = [need, memory::free()].map(|bytes| bytes >> 20);
+    Err(Error::new(format!(
+        "decoding a picture of it takes about {need} MiB of memory, but {free} MiB are free; close other programs, or scale it down"
+    )))
+}
+
+/// Refuses a path at which a pipe or a device lies instead of a file or a folder: opening one could block, or do something.
+///
+/// # Errors
+/// One sentence with the path.
+pub fn check_is_file(path: &Path) -> Result<(), Error> {
+    // What is not there is told when it is opened.
+    let node = if path.exists() { Node::of(path) } else { Ok(Node::File) };
+    match node {
+        Ok(Node::File | Node::Folder) => Ok(()),
+        Ok(Node::Stream) => Err(about(path, &Error::new("it is a named pipe; sessions and lessons name files"))),
+        Err(error) => Err(about(path, &error)),
+    }
 }
 
 /// Opens any clip: a picture or a folder of pictures, an animation, a video file, or `-` for standard input.

@@ -55,6 +55,7 @@ pub(super) fn keys(top: &mut Section<'_>, base: Option<Session>, folder: &Path) 
         depth_scale: scale(top, "depth-scale", |scale| media::depth_scale(Some(scale), scale))?,
     };
     let given = given.map_path(|path| folder.join(path));
+    source.iter().flat_map(Source::paths).chain(given.paths()).try_for_each(media::check_is_file)?;
     let mut leader = match (top.take("estimator"), &base) {
         (Some(id), _) => id.parsed(estimator)?,
         (None, Some(base)) => base.experiment.estimator.boxed_clone(),

@@ -33,9 +33,15 @@ impl Need {
     }
 }
 
-/// Checks that `bytes`, the need of estimator `who`, are free.
+/// Bytes per pixel of the frames of a pair, each in gray and in colour.
+const PAIR: u64 = 2 * (1 + 3);
+
+/// Checks that `bytes`, the need of estimator `who`, are free, and where no memory was given to the run, so are those of the frames that it
+/// has decoded.
 pub(crate) fn check(clip: &Clip, who: &str, bytes: u64) -> Result<(), Error> {
     let (free, (width, height)) = (clip.room(), clip.size());
+    let pair = if clip.has_budget() || clip.is_blank() { 0 } else { PAIR.saturating_mul((width * height) as u64) };
+    let bytes = bytes.saturating_add(pair);
     if bytes <= free {
         return Ok(());
     }

@@ -36,6 +36,14 @@ impl GivenCalibration {
         }
     }
 
+    /// Its path, if it has one.
+    pub fn path(&self) -> Option<&Path> {
+        match self {
+            Self::File(path) => Some(path),
+            Self::Typed { .. } => None,
+        }
+    }
+
     /// The same with `f` applied to its path, if it has one.
     #[must_use]
     pub fn map_path(self, f: impl FnOnce(&Path) -> PathBuf) -> Self {

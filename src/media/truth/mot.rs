@@ -17,6 +17,9 @@ const FARTHEST_PX: f64 = 1e6;
 const MOST_FRAMES: u32 = 1_000_000;
 /// The left and top edge of our first pixel lie at −0.5, those of theirs at 1.
 const FIRST_PX: f64 = 1.5;
+/// The most boxes in a frame, about twenty times as many as in the densest sequence of the benchmark (MOT20). Assigning boxes to objects
+/// takes memory with the square of their number.
+pub(crate) const MOST_IN_A_FRAME: usize = 5_000;
 
 /// One row of a table.
 #[derive(Debug)]
@@ -135,8 +138,16 @@ fn objects(text: &str) -> Result<Tracks, String> {
         let Row { line, frame, id, min: [x, y], size: [width, height], visibility, .. } = row;
         let id = id.ok_or_else(|| format!("line {line}: identity -1 is a detection, not a track; give the gt.txt"))?;
         let object = ObjectBox { id, x, y, width, height, visibility };
+        let kind = if row.is_scored { &mut tracks.objects } else { &mut tracks.ignored };
+        let boxes = kind.entry(frame).or_default();
+        if boxes.len() == MOST_IN_A_FRAME {
+            let frame = frame + 1;
+            return Err(format!(
+                "line {line}: frame {frame} has more than {MOST_IN_A_FRAME} true boxes; leave some out"
+            ));
+        }
+        boxes.push(object);
         if !row.is_scored {
-            tracks.ignored.entry(frame).or_default().push(object);
             continue;
         }
         if let Some(before) = lines.insert((frame, id), line) {
@@ -145,7 +156,6 @@ fn objects(text: &str) -> Result<Tracks, String> {
                 frame + 1
             ));
         }
-        tracks.objects.entry(frame).or_default().push(object);
     }
     if tracks.objects.is_empty() {
         return Err("it holds no objects; rows are frame, id, left, top, width, height, confidence …".into());
@@ -256,6 +266,14 @@ mod tests {
         assert!(twice.starts_with("lines 1 and 4: identity 1 is in frame 1"), "{twice}");
         assert!(message.starts_with("line 5: identity"), "blank lines and those left out count: {message}");
         assert!(objects("").is_err());
+    }
+
+    #[test]
+    fn a_frame_has_no_more_boxes_than_can_be_assigned() {
+        let rows = |count: usize| (1..=count).map(|id| format!("7,{id},1,1,4,4,1\n")).collect::<String>();
+        assert_eq!(objects(&rows(MOST_IN_A_FRAME)).unwrap().objects[&6].len(), MOST_IN_A_FRAME);
+        let why = objects(&rows(100_000)).unwrap_err();
+        assert!(why.starts_with(&format!("line {}: frame 7", MOST_IN_A_FRAME + 1)), "{why}");
     }
 
     #[test]
