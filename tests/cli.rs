@@ -1581,3 +1581,88 @@ fn a_helper_that_floods_is_not_read_without_end() {
     assert!(!output.status.success());
     assert_eq!(String::from_utf8_lossy(&output.stderr).lines().count(), 1);
 }
+
+#[test]
+fn json_keeps_what_a_terminal_must_not_see() {
+    let folder = tempfile::tempdir().unwrap();
+    let title = "a\u{1b}]0;b\u{7}\u{9b}31m\u{7f}\u{202e}c";
+    let text =
+        format!("# {title}\nS.\n+++\ntitle = \"One\"\nclip = \"synth:pillar\"\nestimator = \"diamond\"\n+++\nW.\n");
+    fs::write(folder.path().join("odd.md"), text).unwrap();
+    assert_eq!(json(folder.path(), "lessons odd.md --json")["title"], title);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_session_opens_no_pipe_and_no_device() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    assert!(Command::new("mkfifo").arg(here.join("pipe.y4m")).status().expect("mkfifo").success());
+    let run = "estimator = \"full-search\"\n";
+    for (keys, named) in [
+        ("clip = \"pipe.y4m\"\n", "pipe.y4m"),
+        ("clip = \"/dev/zero\"\n", "/dev/zero"),
+        ("clip = \"synth:pillar\"\ntruth = \"pipe.y4m\"\n", "pipe.y4m"),
+        ("clip = \"synth:pillar\"\ncalibration = \"pipe.y4m\"\n", "pipe.y4m"),
+        ("clip = \"synth:pillar\"\ndepths = \"/dev/zero\"\n", "/dev/zero"),
+    ] {
+        fs::write(here.join("odd.motionscope"), format!("motionscope = 1\n{keys}{run}")).unwrap();
+        let told = refusal(here, "run odd.motionscope");
+        assert!(told.contains(named), "{told}");
+        fs::write(here.join("odd.md"), format!("# T\nS.\n+++\ntitle = \"One\"\n{keys}{run}+++\nW.\n")).unwrap();
+        let told = refusal(here, "lessons odd.md");
+        assert!(told.contains(named), "{told}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn what_the_limit_of_the_address_space_forbids_is_refused_in_a_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    // Two gray pictures of 36 megapixels: Horn–Schunck takes gigabytes for them.
+    let picture = [b"P5\n6000 6000\n255\n".to_vec(), vec![7; 6000 * 6000]].concat();
+    ["a.pgm", "b.pgm"].into_iter().for_each(|name| fs::write(here.join(name), &picture).unwrap());
+    let limited = |kilobytes: u32, line: &str| {
+        let script = format!("ulimit -v {kilobytes}; exec \"$0\" {line}");
+        let mut command = Command::new("sh");
+        command.current_dir(here).args(["-c", &script, env!("CARGO_BIN_EXE_motionscope")]);
+        command.output().expect("the program starts")
+    };
+    for (kilobytes, line) in
+        [(2_000_000, "run a.pgm b.pgm --estimator horn-schunck --threads 1"), (400_000, "info a.pgm")]
+    {
+        let output = limited(kilobytes, line);
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{line}: {told}");
+        assert!(told.contains("of memory") && told.contains("free") && told.lines().count() == 1, "{line}: {told}");
+    }
+}
+
+#[test]
+fn long_settings_are_not_repeated_in_full() {
+    let folder = tempfile::tempdir().unwrap();
+    let long = format!("lambda={}", "0".repeat(4000));
+    for line in [
+        format!("run {SMALL} --estimator horn-schunck --set {long}"),
+        format!("run {SMALL} --estimator full-search --set {long} --set cost=zncc"),
+        format!("compare {SMALL} --estimators full-search,diamond --set {long}"),
+        format!("synth pillar --out out --set {long}"),
+    ] {
+        let output = motionscope(folder.path(), &line);
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert!(told.lines().all(|line| line.chars().count() < 400), "{told}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_picture_whose_name_is_no_unicode_is_told_so() {
+    use std::os::unix::ffi::OsStrExt as _;
+    let folder = tempfile::tempdir().unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_motionscope"));
+    let odd = std::ffi::OsStr::from_bytes(b"b\xff.png");
+    let output = command.current_dir(folder.path()).arg("info").arg("a.png").arg(odd).output().unwrap();
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(told.contains("UTF-8") && !told.contains('|'), "{told}");
+}

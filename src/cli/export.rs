@@ -1,6 +1,6 @@
 //! `motionscope export`: saves a range of steps as pictures or as an animation.
 
-use super::remark;
+use super::print::remark;
 use motionscope_core::{Error, Info};
 
 use super::args::ExportArgs;
@@ -11,7 +11,7 @@ use super::task;
 use crate::experiment::Prepared;
 use crate::experiment::pixel::Chosen;
 use crate::media::Open;
-use crate::media::export::{AnimationFormat, Target, Timing, make_folder, save_result};
+use crate::media::export::{AnimationFormat, Target, Timing, fill_folder, save_result};
 use crate::session::lesson::Address;
 use crate::view::page::{Stand, Words};
 use crate::view::panes::Selection;
@@ -113,8 +113,8 @@ fn pages(args: &ExportArgs) -> Result<(), Error> {
         let stand = Stand { prepared: &prepared, cursor, pixel, look, freehand };
         let words = Words { lesson: &lesson.title, title: &page.title, number: [index + 1, count], prose };
         let picture = words.encode(&stand, args.format, args.picture.scale)?;
-        make_folder(folder)?;
-        save_result(&folder.join(format!("page-{:02}.{}", index + 1, args.format.extension())), &picture)?;
+        let file = folder.join(format!("page-{:02}.{}", index + 1, args.format.extension()));
+        fill_folder(folder, || save_result(&file, &picture))?;
         saved += 1;
     }
     match saved {

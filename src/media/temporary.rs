@@ -14,6 +14,8 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError, RwLock, RwLockReadGuar
 use std::thread;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
+use motionscope_core::Error;
+
 /// The prefix of temporary files.
 const PREFIX: &str = ".motionscope-";
 /// The extension of notes.
@@ -31,6 +33,11 @@ static AT_WORK: RwLock<()> = RwLock::new(());
 /// Whether `path` lies in a temporary folder or is a temporary file.
 pub fn is_temporary(path: &Path) -> bool {
     path.components().any(|part| part.as_os_str().to_str().is_some_and(|part| part.starts_with(PREFIX)))
+}
+
+/// Where `path` is to lie once it is finished: outside of every temporary folder.
+pub fn destination(path: &Path) -> PathBuf {
+    path.components().filter(|part| !is_temporary(Path::new(part.as_os_str()))).collect()
 }
 
 /// How the names of unfinished things in `folder` are to begin.
@@ -168,7 +175,7 @@ impl Run {
 fn log_left(folder: &Path, is_clean: bool) {
     if !is_clean {
         // The next start tries again.
-        eprintln!("temporary files are left in {}", folder.display());
+        eprintln!("{}", Error::new(format!("temporary files are left in {}", folder.display())));
     }
 }
 

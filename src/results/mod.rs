@@ -145,8 +145,8 @@ impl Export {
             made.files.last().map_or(Ok(()), |(_, bytes)| export::save_result(path, bytes))?;
             return Ok(path.display().to_string());
         }
-        export::make_folder(path)?;
-        made.files.iter().try_for_each(|(name, bytes)| export::save_result(&path.join(name), bytes))?;
+        let save = || made.files.iter().try_for_each(|(name, bytes)| export::save_result(&path.join(name), bytes));
+        export::fill_folder(path, save)?;
         let plural = if made.files.len() == 1 { "" } else { "s" };
         Ok(format!("{} file{plural} into {}", made.files.len(), path.display()))
     }

@@ -33,7 +33,7 @@ impl<'a> Section<'a> {
     /// A sentence that names the line if it is no TOML.
     pub fn parse(text: &'a str) -> Result<Self, Error> {
         let lines = Arc::new(Lines::of(text));
-        let table = DeTable::parse(text).map_err(|error| unreadable(&lines, &error))?;
+        let table = DeTable::parse(text).map_err(|error| unreadable(text, &lines, &error))?;
         Ok(Self::new(&lines, (String::new(), 1), table.into_inner()))
     }
 
@@ -274,10 +274,25 @@ impl Lines {
     fn at(&self, at: usize) -> usize {
         1 + self.0.partition_point(|end| *end < at)
     }
+
+    /// The first line with which `text` becomes too deep for the parser, which does not say where that is.
+    fn first_too_deep(&self, text: &str) -> usize {
+        let is_fine = |end: &usize| !DeTable::parse(&text[..*end]).is_err_and(|error| is_too_deep(&error));
+        1 + self.0.partition_point(is_fine)
+    }
 }
 
-/// Why a text is no TOML.
-fn unreadable(lines: &Lines, error: &toml::de::Error) -> Error {
+/// Whether the parser refused a text for its sections in sections.
+fn is_too_deep(error: &toml::de::Error) -> bool {
+    error.message().contains("recurs")
+}
+
+/// Why `text` is no TOML.
+fn unreadable(text: &str, lines: &Lines, error: &toml::de::Error) -> Error {
+    if is_too_deep(error) {
+        let line = lines.first_too_deep(text);
+        return Error::new(format!("line {line} has too many sections in one another; a key has one dot at most"));
+    }
     let line = lines.at(error.span().map_or(0, |span| span.start));
     if error.message().contains("duplicate key") {
         return Error::new(format!("line {line} has a key that is there already; leave one of them out"));
@@ -295,5 +310,14 @@ mod tests {
         let lines = Lines::of(text);
         let plain = |at: usize| 1 + text[..at].matches('\n').count();
         assert!((0..=text.len()).all(|at| lines.at(at) == plain(at)));
+    }
+
+    #[test]
+    fn keys_in_too_many_sections_are_refused_with_their_line() {
+        let deep = vec!["a"; 100_000].join(".");
+        for text in [format!("b = 1\n\n{deep} = 1\nc = 2\n"), format!("b = 1\n\nc = {}", "[".repeat(100_000))] {
+            let why = Section::parse(&text).map(drop).expect_err("no session is so deep").to_string();
+            assert!(why.starts_with("line 3 has too many sections"), "{why}");
+        }
     }
 }

@@ -124,11 +124,9 @@ impl Steps {
     ) -> Result<Written, Error> {
         match medium {
             Medium::Pictures(folder, format) => self.each(prepared, progress, tell, |rendering, layout, index| {
-                if index == 0 {
-                    export::make_folder(folder)?;
-                }
                 let picture = rendering.encode_in(layout, format, self.scale)?;
-                export::save_result(&folder.join(Self::file_name(index, format)), &picture)
+                let file = folder.join(Self::file_name(index, format));
+                export::fill_folder(folder, || export::save_result(&file, &picture))
             }),
             Medium::Animation(path, timing) => {
                 let format = AnimationFormat::of(path)?;

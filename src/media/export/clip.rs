@@ -7,7 +7,7 @@ use motionscope_core::{Calibration, Clip, Error, Frame, Grid, PixelClass, TrueMa
 
 use super::save::not_made;
 use super::written_files::WrittenFiles;
-use super::{Pixels, flo, make_folder, mot, pfm, png, save};
+use super::{Pixels, fill_folder, flo, make_folder, mot, pfm, png, save};
 use crate::media::Progress;
 use crate::media::names::file_name;
 use crate::media::sequence::{Sequence, number};
@@ -26,7 +26,12 @@ pub fn clip(clip: &Clip, folder: &Path, progress: Option<&dyn Progress>) -> Resu
     let Some(frames) = clip.info().frames else {
         return Err(Error::new(format!("{name} cannot be written: count its frames first")));
     };
-    make_folder(folder)?;
+    fill_folder(folder, || fill(clip, frames, folder, progress))
+}
+
+/// Writes all `frames` of `clip` into `folder`, which is there.
+fn fill(clip: &Clip, frames: usize, folder: &Path, progress: Option<&dyn Progress>) -> Result<(), Error> {
+    let name = &clip.info().name;
     refuse_other_pictures(folder, frames)?;
     let before = WrittenFiles::read(folder);
     refuse_foreign(folder, &before, frames)?;

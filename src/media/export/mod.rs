@@ -27,4 +27,4 @@ pub use mot::{mot, rect as mot_rect};
 pub use npy::{npy, npy_of};
 pub use picture::{Pixels, png, png_result};
 pub(super) use save::{cannot_write, draft};
-pub use save::{copy, make_folder, save};
+pub use save::{copy, fill_folder, make_folder, save};

@@ -9,6 +9,9 @@ use motionscope_core::Error;
 
 use crate::media::temporary;
 
+/// What is said where a disk has no room.
+const DISK_IS_FULL: &str = "the disk is full; make room or choose another one";
+
 /// Copies the file `from` to `to` atomically.
 ///
 /// # Errors
@@ -74,9 +77,10 @@ pub fn save(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     written.map_err(|e| cannot_write(path, &e))
 }
 
-/// Why nothing can be written to `path`.
+/// Why nothing can be written to `path`; what lies in a temporary folder is called as it is to be called in the end.
 pub(in crate::media) fn cannot_write(path: &Path, error: &io::Error) -> Error {
-    Error::new(format!("{} cannot be written: {}", path.display(), reason(path, error)))
+    let path = temporary::destination(path);
+    Error::new(format!("{} cannot be written: {}", path.display(), reason(&path, error)))
 }
 
 /// Makes a folder, and those that it lies in, if there is none.
@@ -87,9 +91,29 @@ pub fn make_folder(folder: &Path) -> Result<(), Error> {
     fs::create_dir_all(folder).map_err(|e| not_made(folder, &e))
 }
 
+/// Makes `folder` as [`make_folder`] does and fills it; where that fails, those folders that were made and are empty go again.
+///
+/// # Errors
+/// If it cannot be made, and those of `fill`.
+pub fn fill_folder<T>(folder: &Path, fill: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
+    let made: Vec<&Path> =
+        folder.ancestors().take_while(|folder| !folder.as_os_str().is_empty() && !folder.exists()).collect();
+    let filled = make_folder(folder).and_then(|()| fill());
+    if filled.is_err() {
+        // From the innermost outwards, up to the first that has something in it.
+        let _ = made.into_iter().try_for_each(fs::remove_dir);
+    }
+    filled
+}
+
 /// Why a folder cannot be made.
 pub(super) fn not_made(folder: &Path, error: &io::Error) -> Error {
-    Error::new(format!("the folder {} cannot be made ({error}); choose another one", folder.display()))
+    let folder = temporary::destination(folder);
+    let why = match error.kind() {
+        io::ErrorKind::StorageFull => DISK_IS_FULL.to_owned(),
+        _ => format!("{}; choose another one", cause(error)),
+    };
+    Error::new(format!("the folder {} cannot be made: {why}", folder.display()))
 }
 
 fn pour(to: &mut impl Write, bytes: &[u8]) -> io::Result<()> {
@@ -145,10 +169,16 @@ fn reason(path: &Path, error: &io::Error) -> String {
             format!("no permission to write to {}; choose another folder", folder.display())
         }
         io::ErrorKind::BrokenPipe => "the reader of the pipe has closed it".into(),
-        io::ErrorKind::StorageFull => "the disk is full; make room or choose another one".into(),
+        io::ErrorKind::StorageFull => DISK_IS_FULL.into(),
         io::ErrorKind::IsADirectory => "it is a folder; give a file name".into(),
-        _ => format!("{error}; choose another place"),
+        _ => format!("{}; choose another place", cause(error)),
     }
+}
+
+/// The error without the name of the temporary file or folder that it came with.
+fn cause(error: &io::Error) -> String {
+    // Only an error that was wrapped has more than what the system says.
+    if error.get_ref().is_some() { error.kind().to_string() } else { error.to_string() }
 }
 
 #[cfg(test)]
@@ -163,6 +193,42 @@ mod tests {
         save(&path, b"second").unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"second");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn an_error_names_the_place_and_never_a_temporary_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let unfinished = temporary::folder(folder.path()).unwrap();
+        let inside = unfinished.path().join("flow").join("frame_0000.flo");
+        for kind in [io::ErrorKind::StorageFull, io::ErrorKind::PermissionDenied, io::ErrorKind::Other] {
+            let [file, place] = [cannot_write(&inside, &kind.into()), not_made(unfinished.path(), &kind.into())];
+            assert!(
+                file.to_string()
+                    .starts_with(&format!("{} cannot", folder.path().join("flow/frame_0000.flo").display()))
+            );
+            for why in [file, place] {
+                assert!(!why.to_string().contains(".motionscope-"), "{why}");
+            }
+        }
+        // It names the file that it tried to make.
+        let gone = temporary::folder(&folder.path().join("gone")).unwrap_err();
+        assert!(gone.to_string().contains(".motionscope-"), "{gone}");
+        assert!(!not_made(folder.path(), &gone).to_string().contains(".motionscope-"));
+    }
+
+    #[test]
+    fn a_folder_that_was_not_filled_goes_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let inner = folder.path().join("a/b");
+        let failed = || Err::<(), _>(Error::new("the disk is full"));
+        assert!(fill_folder(&inner, failed).is_err());
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+        let half =
+            || fs::write(inner.join("x"), "x").map_err(|error| Error::new(error.to_string())).and_then(|()| failed());
+        assert!(fill_folder(&inner, half).is_err());
+        assert!(inner.join("x").exists(), "a folder with something in it stays");
+        fs::remove_file(inner.join("x")).unwrap();
+        assert!(fill_folder(&inner, failed).is_err() && inner.exists(), "it was there before");
     }
 
     #[test]

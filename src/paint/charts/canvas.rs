@@ -83,14 +83,11 @@ pub fn shortened(words: &str, style: Type, width: f32) -> String {
     if style.width(words) <= width {
         return words.to_owned();
     }
-    let mut kept: Vec<char> = words.chars().collect();
-    while kept.pop().is_some() {
-        let short = format!("{}…", kept.iter().collect::<String>().trim_end());
-        if style.width(&short) <= width {
-            return short;
-        }
-    }
-    String::new()
+    let ends: Vec<usize> = words.char_indices().map(|(at, _)| at).collect();
+    let cut = |end: usize| format!("{}…", words[..end].trim_end());
+    // More letters are never narrower, so the last one that fits can be searched for.
+    let fitting = ends.partition_point(|end| style.width(&cut(*end)) <= width);
+    fitting.checked_sub(1).map_or_else(String::new, |last| cut(ends[last]))
 }
 
 /// Layers that are being painted.
@@ -204,6 +201,25 @@ mod tests {
         let cut = shortened("a sentence that has no room", style, 80.0);
         assert!(cut.ends_with('…') && style.width(&cut) <= 80.0, "{cut}");
         assert_eq!(shortened("nothing", style, 1.0), "");
+    }
+
+    #[test]
+    fn as_many_letters_stay_as_fit() {
+        let style = Type::text(Theme::Dark);
+        let words = "Größe of a step: two words, ";
+        for width in (0..200).map(|width| width as f32) {
+            let cuts = (0..words.chars().count()).rev().map(|count| {
+                let kept: String = words.chars().take(count).collect();
+                format!("{}…", kept.trim_end())
+            });
+            let plain = if style.width(words) <= width { Some(words.to_owned()) } else { None };
+            let plain = plain.or_else(|| cuts.into_iter().find(|cut| style.width(cut) <= width)).unwrap_or_default();
+            assert_eq!(shortened(words, style, width), plain, "{width}");
+        }
+        // One letter less at a time took half a minute.
+        let begun = std::time::Instant::now();
+        assert!(shortened(&"a".repeat(20_000), style, 500.0).ends_with("a…"));
+        assert!(begun.elapsed().as_secs() < 10, "{:?}", begun.elapsed());
     }
 
     #[test]
