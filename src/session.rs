@@ -49,6 +49,7 @@ mod ink;
 pub mod lesson;
 mod read;
 mod toml_text;
+pub mod trust;
 mod write;
 
 use std::ffi::OsStr;
@@ -153,7 +154,11 @@ impl Session {
         let name = Error::short_name(&path.display().to_string());
         let about = |error: String| Error::new(format!("cannot open the session {name}: {error}"));
         let text = media::read_text(path).map_err(|error| about(error.to_string()))?;
-        Self::parse(&text, folder_of(path)).map_err(|error| about(error.to_string()))
+        let read = || {
+            let session = Self::parse(&text, folder_of(path))?;
+            trust::check(path, &text, [&session]).map(|()| session)
+        };
+        read().map_err(|error: Error| about(error.to_string()))
     }
 
     /// Parses a session whose paths are relative to `folder`.
@@ -169,7 +174,10 @@ impl Session {
     /// # Errors
     /// If the file cannot be written.
     pub fn save(&self, path: &Path) -> Result<(), Error> {
-        export::save(path, self.text(folder_of(path))?.as_bytes())
+        export::save(path, self.text(folder_of(path))?.as_bytes())?;
+        // It opens again whatever it names.
+        trust::trust(path);
+        Ok(())
     }
 
     /// Returns the text of a session file in `folder`.

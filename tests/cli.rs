@@ -1666,3 +1666,24 @@ fn a_picture_whose_name_is_no_unicode_is_told_so() {
     let told = String::from_utf8_lossy(&output.stderr);
     assert!(told.contains("UTF-8") && !told.contains('|'), "{told}");
 }
+
+#[test]
+fn files_outside_of_the_folder_of_a_session_or_lesson_need_trust() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    stdout(here, "synth translation --out other --set width=64 --set height=48 --set frames=2");
+    fs::create_dir(here.join("theirs")).unwrap();
+    let keys = "clip = \"../other\"\nestimator = \"diamond\"\n";
+    fs::write(here.join("theirs/a.motionscope"), format!("motionscope = 1\n{keys}")).unwrap();
+    fs::write(here.join("theirs/a.md"), format!("# T\n+++\ntitle = \"One\"\n{keys}+++\nWords.\n")).unwrap();
+    for line in
+        ["run theirs/a.motionscope", "info theirs/a.motionscope", "run theirs/a.md", "export theirs/a.md --out p"]
+    {
+        let told = refusal(here, line);
+        assert!(told.contains("other") && told.contains("--trust"), "{line}: {told}");
+        stdout(here, &format!("{line} --trust"));
+    }
+    // A copy beside its clip names nothing outside.
+    fs::write(here.join("other/a.motionscope"), format!("motionscope = 1\n{}", keys.replace("../other", "."))).unwrap();
+    stdout(here, "run other/a.motionscope");
+}

@@ -27,6 +27,9 @@ pub struct Args {
     /// Second picture: CLIP and it are the two frames of the clip.
     #[arg(value_name = "PICTURE")]
     pub next: Option<OsString>,
+    /// Open files outside of the folder of the session or lesson that names them.
+    #[arg(long, global = true)]
+    pub trust: bool,
     #[command(subcommand)]
     pub command: Option<Command>,
 }

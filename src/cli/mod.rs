@@ -28,7 +28,7 @@ use motionscope_core::Error;
 
 use crate::experiment::source::Source;
 use crate::media::{self, Given, Info, Open};
-use crate::session::Named;
+use crate::session::{Named, trust};
 use crate::ui;
 use args::{Args, Command};
 use print::{say, say_json};
@@ -66,6 +66,10 @@ fn usage(error: &clap::Error) -> ExitCode {
 }
 
 fn run(args: Args) -> Result<(), Error> {
+    trust::keep_in(eframe::storage_dir("motionscope"));
+    if args.trust {
+        trust::trust_all();
+    }
     match args.command {
         None => window(args.clip.map(|clip| task::clip_name(clip, args.next)).transpose()?),
         Some(Command::List { estimators, json }) => {

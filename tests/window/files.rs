@@ -644,3 +644,30 @@ fn what_is_wrong_with_a_clip_is_not_reported_for_the_next_one() {
         window.settle();
     }
 }
+
+#[test]
+fn what_comes_from_elsewhere_asks_before_it_opens_files_outside_its_folder() {
+    let place = tempfile::tempdir().expect("a folder");
+    let [theirs, other] = ["theirs", "other"].map(|name| place.path().join(name));
+    fs::create_dir(&theirs).expect("a folder");
+    let source = motionscope::experiment::source::Source::parse("synth:translation,width=64,height=48,frames=3");
+    let clip = source.and_then(|source| source.open(&Default::default())).expect("a clip");
+    motionscope::media::export::clip(&clip, &other, None).expect("a clip in a folder");
+    let keys = "clip = \"../other\"\nestimator = \"diamond\"\n";
+    for (name, text) in [
+        ("a.motionscope", format!("motionscope = 1\n{keys}")),
+        ("a.md", format!("# Theirs\n+++\ntitle = \"One\"\n{keys}+++\nWords.\n")),
+    ] {
+        let file = theirs.join(name);
+        fs::write(&file, text).expect("a file");
+        let mut window = Window::with(vec2(1280.0, 720.0), Start { open: Some(file.clone().into()) });
+        assert!(window.app().view().shown.is_none(), "{name} is open");
+        assert!(window.harness.query_by_label_contains("outside of its own folder").is_some(), "{name}");
+        window.click_role(Role::Button, "Open these files");
+        let source = window.shown().subject.experiment.source.to_string();
+        assert!(source.ends_with("other"), "{name}: {source}");
+        // It is not asked twice.
+        let again = Window::with(vec2(1280.0, 720.0), Start { open: Some(file.into()) });
+        assert!(again.app().view().shown.is_some(), "{name}");
+    }
+}

@@ -28,3 +28,4 @@ pub use npy::{npy, npy_of};
 pub use picture::{Pixels, png, png_result};
 pub(super) use save::{cannot_write, draft};
 pub use save::{copy, fill_folder, make_folder, save};
+pub use written_files::hash;

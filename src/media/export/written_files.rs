@@ -61,7 +61,7 @@ impl WrittenFiles {
 }
 
 /// FNV-1a with 64 bits (Fowler, Noll and Vo, 1991).
-pub(super) fn hash(bytes: &[u8]) -> u64 {
+pub fn hash(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xCBF2_9CE4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3))
 }
 

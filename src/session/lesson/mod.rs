@@ -30,7 +30,7 @@ use std::path::Path;
 
 use motionscope_core::{Cursor, Error, estimator};
 
-use super::{Session, folder_of};
+use super::{Session, folder_of, trust};
 use crate::experiment::{Experiment, Position};
 use crate::media;
 use crate::paint::Freehand;
@@ -108,7 +108,12 @@ impl Lesson {
         if path.metadata().is_ok_and(|data| data.len() > MOST_BYTES) {
             return Err(about(Error::new(format!("it has more than {} kB", MOST_BYTES / 1000))));
         }
-        media::read_text(path).and_then(|text| Self::parse(&slug, &text, folder_of(path))).map_err(about)
+        let read = |text: String| {
+            let lesson = Self::parse(&slug, &text, folder_of(path))?;
+            let sessions = lesson.pages.iter().filter_map(|page| page.session.as_ref().ok());
+            trust::check(path, &text, sessions).map(|()| lesson)
+        };
+        media::read_text(path).and_then(read).map_err(about)
     }
 
     /// The page with this index.

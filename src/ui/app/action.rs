@@ -128,6 +128,8 @@ pub enum Action {
     Hint(&'static str),
     /// The error was read.
     Dismiss,
+    /// Open the session or lesson that was refused since it names files outside of its folder.
+    Trust,
 }
 
 /// The actions of a frame, in order.

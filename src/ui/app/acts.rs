@@ -111,6 +111,7 @@ impl App {
                 self.settings.speed = speed;
             }
             Action::Dismiss => self.error = None,
+            Action::Trust => self.trust(),
         }
     }
 

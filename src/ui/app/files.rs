@@ -1,6 +1,6 @@
 //! File operations of the window: opening, browsing, saving.
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{TryRecvError, channel};
@@ -20,7 +20,7 @@ use crate::media::{Given, Open};
 use crate::paint::charts::heat_map;
 use crate::paint::number;
 use crate::session::lesson::Address;
-use crate::session::{Session, VisiblePart, example};
+use crate::session::{Session, VisiblePart, example, trust};
 use crate::ui::app::action::Browse;
 use crate::ui::app::camera::Saving;
 use crate::ui::app::window::{App, Overlay, title};
@@ -130,6 +130,7 @@ impl App {
     /// Opens a file, a folder, a session or a `synth:` scene on another thread, ground truth for the open clip, or a lesson.
     pub fn open(&mut self, name: impl Into<OsString>) {
         let name = name.into();
+        self.asked = None;
         match Address::parse(&name) {
             Some(address) => self.open_page(address),
             None => self.load(name),
@@ -377,11 +378,40 @@ impl App {
         if !path.exists() {
             self.settings.forget(path);
         }
+        if self.ask_for_trust(path, path.as_os_str(), &error) {
+            return;
+        }
         match &mut self.overlay {
             // Where it was asked for, it can be asked for again.
             Overlay::Open(state) if state.is_opening() => state.refuse(&error),
             _ => self.error = Some(error),
         }
+    }
+
+    /// Asks whether the session or lesson in `file`, which was to be opened by `name`, may open files elsewhere, if that is why it was
+    /// refused; returns whether it asks.
+    pub(super) fn ask_for_trust(&mut self, file: &Path, name: &OsStr, error: &Error) -> bool {
+        let asks = trust::is_asked(file);
+        if asks {
+            self.overlay = Overlay::None;
+            self.error = Some(error.clone());
+            self.asked = Some(name.to_owned());
+        }
+        asks
+    }
+
+    /// Whether the error in sight asks for trust.
+    pub(super) fn asks_for_trust(&self) -> bool {
+        self.error.is_some() && self.asked.is_some()
+    }
+
+    /// Opens the session or lesson with the files that it names.
+    pub(super) fn trust(&mut self) {
+        let Some(name) = self.asked.take() else { return };
+        let address = Address::parse(&name);
+        trust::trust(address.as_ref().and_then(Address::file).unwrap_or(Path::new(&name)));
+        self.error = None;
+        self.open(name);
     }
 
     /// Reports that opening another clip has closed a stage.

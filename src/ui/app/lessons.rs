@@ -29,6 +29,7 @@ impl App {
         // What a page of the lesson before has set is not how the person looks at pictures.
         let look = self.lesson.as_ref().map_or(self.settings.look, |open| open.without_page(self.settings.look));
         let ctx = self.ctx.clone();
+        let (name, file) = (address.name(), address.file().map(Path::to_path_buf));
         match OpenLesson::new(address, look, move || ctx.request_repaint()) {
             Ok(open) => {
                 left.into_iter().for_each(|left| self.trail.leave(left));
@@ -43,10 +44,17 @@ impl App {
                 self.lesson = Some(open);
                 self.show_page(at);
             }
-            Err(error) => match &mut self.overlay {
-                Overlay::Open(state) => state.refuse(&error),
-                _ => self.error = Some(error),
-            },
+            Err(error) => {
+                if let Some(file) = &file
+                    && self.ask_for_trust(file, &name, &error)
+                {
+                    return;
+                }
+                match &mut self.overlay {
+                    Overlay::Open(state) => state.refuse(&error),
+                    _ => self.error = Some(error),
+                }
+            }
         }
     }
 

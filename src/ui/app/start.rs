@@ -56,6 +56,7 @@ impl App {
         let input = start::Input {
             loading: self.loading.as_ref(),
             error: self.error.as_ref(),
+            asks_for_trust: self.asks_for_trust(),
             is_covered: self.is_covered(),
             is_shown_at_start: self.settings.has_start_page,
             plays: !self.settings.reduced_motion,

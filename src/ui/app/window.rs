@@ -1,5 +1,6 @@
 //! The window's state, and a frame of it.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::mpsc::Receiver;
 
@@ -108,6 +109,8 @@ pub struct App {
     pub(super) question: question::State,
     pub(super) loading: Option<Loading>,
     pub(super) error: Option<Error>,
+    /// The session or lesson that the user is asked to trust, as it was to be opened, while the error says so.
+    pub(super) asked: Option<OsString>,
     pub(super) overlay: Overlay,
     pub(super) toasts: Toasts,
     pub(super) states: States,
@@ -169,6 +172,7 @@ impl App {
             question: question::State::default(),
             loading: None,
             error: None,
+            asked: None,
             overlay: Overlay::None,
             toasts: Toasts::default(),
             states,
@@ -558,6 +562,7 @@ impl App {
             view: &self.view,
             loading: self.loading.as_ref(),
             error: self.error.as_ref(),
+            asks_for_trust: self.asks_for_trust(),
             states: &mut self.states,
             of_step,
             charts: &mut self.settings.charts,

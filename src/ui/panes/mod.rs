@@ -149,6 +149,8 @@ pub struct Panes<'a> {
     pub loading: Option<&'a Loading>,
     /// What went wrong and was not read yet.
     pub error: Option<&'a Error>,
+    /// Whether the error asks to trust a session or lesson.
+    pub asks_for_trust: bool,
     /// What the panes remember.
     pub states: &'a mut States,
     /// The charts of the step that is explained.
@@ -472,7 +474,11 @@ impl Panes<'_> {
                     if dismissable && widgets::cross(ui, "Dismiss error").clicked() {
                         self.actions.ask(Action::Dismiss);
                     }
-                    if ui.button(way_out).clicked() {
+                    if self.asks_for_trust {
+                        if ui.button("Open these files").clicked() {
+                            self.actions.ask(Action::Trust);
+                        }
+                    } else if ui.button(way_out).clicked() {
                         self.actions.command(command);
                     }
                     ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {

@@ -103,6 +103,8 @@ pub struct Input<'a> {
     pub loading: Option<&'a Loading>,
     /// Why the last one was not opened.
     pub error: Option<&'a Error>,
+    /// Whether the error asks to trust a session or lesson.
+    pub asks_for_trust: bool,
     /// Whether something lies over the page and has the keys.
     pub is_covered: bool,
     /// Whether the page is shown at each start.
@@ -261,6 +263,9 @@ impl Drawn<'_, '_> {
                 let text = format!("{}.", capital(&error.to_string()));
                 let label = ui.add(Label::new(&text).wrap().selectable(true));
                 label.widget_info(|| WidgetInfo::labeled(egui::Role::Alert, true, &text));
+                if self.input.asks_for_trust && ui.button("Open these files").clicked() {
+                    self.actions.ask(Action::Trust);
+                }
             });
         }
     }
