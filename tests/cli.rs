@@ -482,7 +482,7 @@ fn an_animation_shows_the_exported_steps() {
     }
     for (asked, wanted) in [
         ("--animation steps.avi", ".gif, .apng, .webp or .mp4"),
-        ("--animation steps.gif --rate 900", "0.1 to 50 steps per second"),
+        ("--animation steps.gif --rate 900", "0.1 to 60 steps per second"),
         ("--animation no/steps.gif", "no/steps.gif"),
         ("--animation steps.gif --out steps", "cannot be used with"),
     ] {
@@ -1328,7 +1328,10 @@ fn panes_are_arranged_on_a_sheet_and_its_words_stay_words() {
     let here = folder.path();
     let panes = "--panes stage,explanation,surface,surface-3d,series,tiles";
     let line = format!("run {SMALL} --estimator full-search --step 5.40 {panes}");
-    stdout(here, &format!("{line} --overlay sheet.svg"));
+    stdout(here, &format!("{line} --overlay outlines.svg"));
+    let outlines = fs::read_to_string(here.join("outlines.svg")).unwrap();
+    assert!(!outlines.contains("<text") && !outlines.contains("font-family"), "outlines need no font");
+    stdout(here, &format!("{line} --svg-text live --overlay sheet.svg"));
     let svg = fs::read_to_string(here.join("sheet.svg")).unwrap();
     let words = [
         "Full search · SAD by displacement",
@@ -1341,6 +1344,7 @@ fn panes_are_arranged_on_a_sheet_and_its_words_stay_words() {
     ];
     for words in words {
         assert!(svg.contains(&format!(">{words}</tspan>")), "{words} is missing");
+        assert!(outlines.contains(&format!("aria-label=\"{words}\"")), "{words} is missing");
     }
     stdout(here, &format!("{line} --overlay sheet.pdf"));
     let pdf = fs::read(here.join("sheet.pdf")).unwrap();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use motionscope::paint::{
     ArrowStyle, Caption, ColorMap, Face, Figure, FigureOptions, FlowLayer, LayerStyle, Lengthen, Pictures, Primitive,
-    Scalars, Style, Theme, Tint, View, export_png, export_svg, primitive,
+    Scalars, Style, SvgText, Theme, Tint, View, export_png, export_svg, primitive,
 };
 use motionscope_core::scene::{Arrow, Picture, Sentence, Shape};
 use motionscope_core::{Clip, Cursor, Flow, Frame, Grid, Move, Role, Scene, Streaks, estimator};
@@ -68,7 +68,7 @@ fn check_png(name: &str, figure: &Figure, scale: u32) {
 }
 
 fn check_svg(name: &str, figure: &Figure) {
-    let found = export_svg(figure).expect("an SVG picture");
+    let found = export_svg(figure, SvgText::Live).expect("an SVG picture");
     let expected = expected(name, found.as_bytes());
     let lines = found.lines().zip(std::str::from_utf8(&expected).expect("SVG is text").lines()).enumerate();
     for (i, (found, expected)) in lines {
@@ -292,7 +292,9 @@ fn without_words_the_picture_is_the_frame() {
 fn the_same_plate_gives_the_same_bytes() {
     let figure = specimen_plate(Theme::Dark);
     assert_eq!(export_png(&figure, 3), export_png(&figure, 3));
-    assert_eq!(export_svg(&figure), export_svg(&figure));
+    for words in [SvgText::Outlines, SvgText::Live] {
+        assert_eq!(export_svg(&figure, words), export_svg(&figure, words));
+    }
 }
 
 #[test]
@@ -313,10 +315,10 @@ fn larger_is_sharper_and_not_another_picture() {
     assert!(off < 1.0, "the mean difference is {off} of 255");
 }
 
-/// Another program's idea of our SVG, with our type at hand.
-fn rendered(svg: &str) -> Rgb {
+/// Another program's idea of our SVG, which has our type at hand for live text alone.
+fn rendered(svg: &str, words: SvgText) -> Rgb {
     let mut options = usvg::Options::default();
-    for face in Face::ALL {
+    for face in Face::ALL.into_iter().filter(|_| words == SvgText::Live) {
         options.fontdb_mut().load_font_data(face.bytes().to_vec());
     }
     let tree = usvg::Tree::from_str(svg, &options).expect("well-formed SVG");
@@ -337,11 +339,13 @@ fn the_svg_shows_what_the_png_shows() {
     )]);
     for (i, figure) in figures.enumerate() {
         let png = decode(&export_png(&figure, 1).expect("a PNG picture"));
-        let svg = rendered(&export_svg(&figure).expect("an SVG picture"));
-        assert_eq!(png.size, svg.size);
-        let off: u64 = png.samples.iter().zip(&svg.samples).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
-        let off = off as f64 / png.samples.len() as f64;
-        assert!(off < 0.1, "figure {i}: the mean difference is {off} of 255");
+        for words in [SvgText::Outlines, SvgText::Live] {
+            let svg = rendered(&export_svg(&figure, words).expect("an SVG picture"), words);
+            assert_eq!(png.size, svg.size);
+            let off: u64 = png.samples.iter().zip(&svg.samples).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
+            let off = off as f64 / png.samples.len() as f64;
+            assert!(off < 0.1, "figure {i}, {words:?}: the mean difference is {off} of 255");
+        }
     }
 }
 

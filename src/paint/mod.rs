@@ -45,6 +45,6 @@ pub use pdf::{Placed, Sheet, export_pdf, export_sheets};
 pub use png::export_png;
 pub use primitive::Primitive;
 pub use reduced::reduced;
-pub use svg::export_svg;
+pub use svg::{SvgText, export_svg};
 pub use theme::{Chrome, Ink, PointShape, Theme, TypeSizes};
 pub use wrap::{UNITS, brevity, inked, wrap};

@@ -140,21 +140,16 @@ impl Canvas {
     }
 
     fn text(&mut self, line: &Line) {
-        let [mut x, y] = line.start();
-        let mut glyphs = Vec::new();
-        for run in &line.runs {
-            let (placed, width) = fonts::place(&run.text, run.face, line.size);
-            glyphs.push((glyph_path(&placed, [x, y]), run.color));
-            x += width;
-        }
+        let glyphs = outlines(line);
         if let Some(halo) = line.halo {
-            let style = tiny_skia::Stroke { width: line.size * 0.2, line_join: LineJoin::Round, ..Default::default() };
-            for path in glyphs.iter().filter_map(|(path, _)| path.as_ref()) {
+            let width = line.size * HALO_SHARE;
+            let style = tiny_skia::Stroke { width, line_join: LineJoin::Round, ..Default::default() };
+            for (path, _) in &glyphs {
                 self.pixmap.stroke_path(path, &paint(halo), &style, self.transform(), None);
             }
         }
         for (path, color) in glyphs {
-            self.fill(path, color);
+            self.fill(Some(path), color);
         }
         line.underlines().for_each(|underline| self.paint(&underline));
     }
@@ -272,6 +267,21 @@ fn silhouette(arrow: &Arrow, grow: f32) -> Option<Path> {
     // So small a disc has no more corners than can be seen, and thousands are painted fast.
     trace(&mut path, &DOT.map(|[x, y]| [arrow.from[0] + x * radius, arrow.from[1] + y * radius]), true);
     path.finish()
+}
+
+/// Width of the halo around the glyphs of a line, as a share of its size.
+pub(super) const HALO_SHARE: f32 = 0.2;
+
+/// Returns the outlines of the glyphs of a line of text with their color, run by run; runs of spaces have none.
+pub(super) fn outlines(line: &Line) -> Vec<(Path, Color)> {
+    let [mut x, y] = line.start();
+    let runs = line.runs.iter().filter_map(|run| {
+        let (placed, width) = fonts::place(&run.text, run.face, line.size);
+        let path = glyph_path(&placed, [x, y]);
+        x += width;
+        path.map(|path| (path, run.color))
+    });
+    runs.collect()
 }
 
 /// The outlines of a line of text whose baseline starts at `(x, y)`.

@@ -1,4 +1,4 @@
-//! The SVG painter: frames as embedded PNG, marks as shapes, words as words.
+//! The SVG painter: frames as embedded PNG, marks as shapes, words as the outlines of their glyphs or as text.
 
 use std::fmt::Write;
 use std::io::Write as _;
@@ -6,20 +6,33 @@ use std::io::Write as _;
 use ::svg::Document;
 use ::svg::node::element::{Circle, ClipPath, Definitions, Description, Group, Image, Path, Rectangle, Title};
 use ::svg::node::{Blob, Node};
-use motionscope_core::{Error, Grid};
+use motionscope_core::{Error, Grid, choices};
+use tiny_skia::PathSegment;
 
 use super::primitive::{Anchor, Arrow, Line, Point, Primitive, Rect, Stroke};
+use super::raster::{HALO_SHARE, outlines};
 use super::script::{self, Script};
 use super::{Color, Face, Figure};
 
 const SANS: &str = "Inter, Helvetica, Arial, sans-serif";
 const MONO: &str = " font-family=\"JetBrains Mono, Menlo, Consolas, monospace\"";
 
-/// `figure` as an SVG file that browsers and drawing programs open. The same figure gives the same bytes.
+choices! {
+    /// How words and formulas are written into an SVG file.
+    pub enum SvgText {
+        /// Outlines of the glyphs, which look the same everywhere.
+        Outlines = "outlines" "Outlines",
+        /// Text, which can be searched and edited and needs the fonts of the program.
+        Live = "live" "Live text",
+    }
+}
+
+/// `figure` as an SVG file that browsers and drawing programs open, with words and formulas as `words`. The same figure gives the same
+/// bytes.
 ///
 /// # Errors
 /// If a frame cannot be encoded.
-pub fn export_svg(figure: &Figure) -> Result<String, Error> {
+pub fn export_svg(figure: &Figure, words: SvgText) -> Result<String, Error> {
     let [width, height] = figure.size;
     let paper = Rectangle::new().set("width", width).set("height", height);
     let mut clips = Definitions::new();
@@ -32,7 +45,7 @@ pub fn export_svg(figure: &Figure) -> Result<String, Error> {
             clips = clips.add(ClipPath::new().set("id", id).add(rectangle(clip)));
         }
         for primitive in &layer.primitives {
-            draw(&mut group, primitive)?;
+            draw(&mut group, primitive, words)?;
         }
         groups.push(group);
     }
@@ -52,12 +65,12 @@ pub fn export_svg(figure: &Figure) -> Result<String, Error> {
     Ok(format!("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n{document}\n"))
 }
 
-fn draw(group: &mut Group, primitive: &Primitive) -> Result<(), Error> {
+fn draw(group: &mut Group, primitive: &Primitive, words: SvgText) -> Result<(), Error> {
     match primitive {
         Primitive::Polygon { points, color } => group.append(fill(shape(points, true), *color)),
         Primitive::Polyline { points, closed, stroke } => group.append(stroked(shape(points, *closed), stroke)),
         Primitive::Disc { center, radius, color } => group.append(disc(*center, *radius, *color)),
-        Primitive::Trails(trails) => trails.primitives().try_for_each(|primitive| draw(group, &primitive))?,
+        Primitive::Trails(trails) => trails.primitives().try_for_each(|primitive| draw(group, &primitive, words))?,
         Primitive::Arrows(arrows) => {
             for arrow in arrows.iter() {
                 if arrow.pen.halo_width > 0.0 {
@@ -67,8 +80,11 @@ fn draw(group: &mut Group, primitive: &Primitive) -> Result<(), Error> {
             }
         }
         Primitive::Text(line) => {
-            group.append(text(line));
-            line.underlines().try_for_each(|underline| draw(group, &underline))?;
+            match words {
+                SvgText::Outlines => group.append(outlined(line)),
+                SvgText::Live => group.append(text(line)),
+            }
+            line.underlines().try_for_each(|underline| draw(group, &underline, words))?;
         }
         Primitive::Image { pixels, rect } => group.append(image(pixels, *rect)?),
     }
@@ -146,6 +162,40 @@ fn stroked(path: Path, stroke: &Stroke) -> Path {
     path
 }
 
+/// The glyphs of a line as paths, the halo below all of them. Its words are the label, for screen readers and searches.
+fn outlined(line: &Line) -> Group {
+    let label: String = line.runs.iter().map(|run| run.text.as_str()).collect();
+    let mut group = Group::new().set("role", "img").set("aria-label", label);
+    let glyphs: Vec<_> = outlines(line).into_iter().map(|(path, color)| (path_data(&path), color)).collect();
+    if let Some(color) = line.halo {
+        let all: String = glyphs.iter().map(|(data, _)| data.as_str()).collect();
+        let stroke = Stroke { width: line.size * HALO_SHARE, color, dash: &[] };
+        group.append(stroked(Path::new().set("d", all), &stroke).set("stroke-linejoin", "round"));
+    }
+    for (data, color) in glyphs {
+        group.append(fill(Path::new().set("d", data), color));
+    }
+    group
+}
+
+/// The outlines of glyphs in the notation of SVG.
+fn path_data(path: &tiny_skia::Path) -> String {
+    let mut data = String::new();
+    for segment in path.segments() {
+        let (letter, points) = match segment {
+            PathSegment::MoveTo(a) => ("M", vec![a]),
+            PathSegment::LineTo(a) => ("L", vec![a]),
+            PathSegment::QuadTo(a, b) => ("Q", vec![a, b]),
+            PathSegment::CubicTo(a, b, c) => ("C", vec![a, b, c]),
+            PathSegment::Close => ("Z", Vec::new()),
+        };
+        let numbers: Vec<String> = points.iter().flat_map(|p| [p.x, p.y]).map(|c| short(c).to_string()).collect();
+        data += letter;
+        data += &numbers.join(" ");
+    }
+    data
+}
+
 /// Written by hand: white space between the spans of a line would be seen.
 fn text(line: &Line) -> Blob {
     let anchor = match line.anchor {
@@ -153,7 +203,7 @@ fn text(line: &Line) -> Blob {
         Anchor::Middle => "middle",
         Anchor::End => "end",
     };
-    let [x, y, size, rim] = [line.at[0], line.at[1], line.size, line.size * 0.2].map(short);
+    let [x, y, size, rim] = [line.at[0], line.at[1], line.size, line.size * HALO_SHARE].map(short);
     let mut text = format!(
         "<text xml:space=\"preserve\" x=\"{x}\" y=\"{y}\" font-size=\"{size}\" text-anchor=\"{anchor}\" font-family=\"{SANS}\""
     );
@@ -268,7 +318,7 @@ mod tests {
             panels: Vec::new(),
             description: "a < b & c".into(),
         };
-        export_svg(&figure).expect("a small figure")
+        export_svg(&figure, SvgText::Live).expect("a small figure")
     }
 
     #[test]

@@ -13,7 +13,7 @@ use crate::experiment::side_by_side::SideBySide;
 use crate::media::{GivenCalibration, RightView};
 use crate::paint::{
     Backdrop, ColorMap, FlowLayer, FocusMode, Freehand, FreehandLine, Ground, Lengthen, LevelShown, Opacity, PenColor,
-    Phase, Share, Theme, View,
+    Phase, Share, SvgText, Theme, View,
 };
 use crate::view::look::{CaptionWords, Look};
 
@@ -194,6 +194,7 @@ fn what_a_session_does_not_say_is_left_as_it_is() {
         streaks: Some(Phase::default()),
         legend: true,
         caption: CaptionWords::On,
+        svg_text: SvgText::Live,
     };
     assert_eq!(look("").over(usual), usual);
     assert_eq!(look("arrows = \"auto\"").over(usual), Look { arrow_scale: Lengthen::Auto, ..usual });
@@ -452,6 +453,7 @@ fn an_old_session_opens_unchanged() {
         streaks: Phase::new(0.25).ok(),
         legend: false,
         caption: CaptionWords::On,
+        svg_text: SvgText::Outlines,
     };
     assert_eq!(look.over(Look::default()), expected);
     assert_eq!((sight, freehand), (None, Freehand::default()));

@@ -12,7 +12,7 @@ pub use values::CaptionWords;
 
 use crate::paint::{
     ArrowStyle, Backdrop, ColorMap, FlowLayer, FocusMode, Lengthen, LevelShown, Opacity, Phase, Pictures, Share, Style,
-    Theme, View,
+    SvgText, Theme, View,
 };
 
 params! {
@@ -49,6 +49,8 @@ params! {
         legend: bool = false;
         /// Clip, estimator, parameters and the sentence of the step, around the pictures; full adds the formula.
         caption: CaptionWords = CaptionWords::Off;
+        /// Words and formulas of SVG pictures: outlines need no font where they are opened, live text can be searched and edited.
+        svg_text: SvgText = SvgText::Outlines;
     }
 }
 

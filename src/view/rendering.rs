@@ -18,15 +18,6 @@ use crate::paint::{Caption, Figure, FigureOptions, Part, View, export_pdf, expor
 /// The scale of marks in SVG and PDF, as in a PNG of this scale.
 const SVG_SCALE: u32 = 2;
 
-/// Encodes the figure that is made for a scale of marks.
-fn encoded(format: Format, scale: u32, figure: impl FnOnce(u32) -> Figure) -> Result<Vec<u8>, Error> {
-    match format {
-        Format::Png => export_png(&figure(scale), scale),
-        Format::Svg => export_svg(&figure(SVG_SCALE)).map(String::into_bytes),
-        Format::Pdf => export_pdf(&figure(SVG_SCALE)),
-    }
-}
-
 /// A moment with its view options, ready to be rendered.
 #[derive(Clone, Copy)]
 pub struct Rendering<'a> {
@@ -68,7 +59,7 @@ impl Rendering<'_> {
     }
 
     fn encode_with(&self, format: Format, scale: u32, layout: Option<&mut Option<Layout>>) -> Result<Vec<u8>, Error> {
-        encoded(format, scale, |scale| self.picture(scale, layout))
+        self.encoded(format, scale, |scale| self.picture(scale, layout))
     }
 
     /// Encodes the picture with what `around` puts around it.
@@ -81,7 +72,16 @@ impl Rendering<'_> {
         scale: u32,
         around: impl FnOnce(Figure) -> Figure,
     ) -> Result<Vec<u8>, Error> {
-        encoded(format, scale, |scale| around(self.picture(scale, None)))
+        self.encoded(format, scale, |scale| around(self.picture(scale, None)))
+    }
+
+    /// Encodes the figure that is made for a scale of marks.
+    fn encoded(&self, format: Format, scale: u32, figure: impl FnOnce(u32) -> Figure) -> Result<Vec<u8>, Error> {
+        match format {
+            Format::Png => export_png(&figure(scale), scale),
+            Format::Svg => export_svg(&figure(SVG_SCALE), self.look.svg_text).map(String::into_bytes),
+            Format::Pdf => export_pdf(&figure(SVG_SCALE)),
+        }
     }
 
     /// Returns the stage alone, or a sheet of the selected panes.

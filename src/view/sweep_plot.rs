@@ -10,7 +10,7 @@ use crate::experiment::comparison::{Column, Row};
 use crate::paint::charts::ChartStyle;
 use crate::paint::charts::series::{Plotted, draw};
 use crate::paint::primitive::Rect;
-use crate::paint::{ColorMap, Figure, Theme, export_pdf, export_png, export_svg};
+use crate::paint::{ColorMap, Figure, SvgText, Theme, export_pdf, export_png, export_svg};
 
 /// The roles of the lines, one per estimator.
 const ROLES: [Role; 4] = [Role::Reference, Role::Result, Role::Predicted, Role::Candidate];
@@ -73,7 +73,7 @@ pub fn encode(series: &Series, theme: Theme, format: Format, scale: u32) -> Resu
     let figure = figure(series, theme, scale);
     match format {
         Format::Png => export_png(&figure, scale),
-        Format::Svg => export_svg(&figure).map(String::into_bytes),
+        Format::Svg => export_svg(&figure, SvgText::Outlines).map(String::into_bytes),
         Format::Pdf => export_pdf(&figure),
     }
 }

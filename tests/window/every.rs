@@ -26,6 +26,7 @@ fn check_picture(window: &mut Window, name: &str) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join(name);
     window.command(Command::ExportPicture);
+    window.click_role(Role::Button, "Theme: dark");
     window.click_role(Role::Button, "1×");
     write_to(window, &path);
     let found = image::open(&path).unwrap_or_else(|e| panic!("{name}: {e}, {:?}", window.app().message())).to_rgb8();

@@ -11,6 +11,7 @@ fn the_step_is_exported_as_it_is_shown() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut window = Window::usual();
     window.press(Modifiers::COMMAND, Key::E);
+    window.click_role(Role::Button, "Theme: dark");
     let file = folder.path().join("step.png");
     write_to(&mut window, &file);
     let message = window.app().message().unwrap_or_default().to_owned();
@@ -38,6 +39,34 @@ fn the_step_is_exported_as_it_is_shown() {
     window.command(Command::ExportPicture);
     let offered = window.harness.query_all_by_role(Role::TextInput).find_map(|node| node.accesskit_node().value());
     assert!(offered.is_some_and(|path| !path.contains("no/such")), "the last good folder is offered");
+}
+
+#[test]
+fn a_page_is_light_and_its_words_are_outlines_unless_something_else_is_chosen() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for command in [Command::DarkTheme, Command::ProjectorTheme] {
+        let mut window = Window::usual();
+        window.command(command);
+        let own = window.app().settings().look.theme;
+        let mut export = |name: &str, choices: &[&str]| {
+            let file = folder.path().join(name);
+            window.command(Command::ExportPicture);
+            choices.iter().for_each(|choice| window.click_role(Role::Button, choice));
+            write_to(&mut window, &file);
+            assert_eq!(window.app().settings().look.theme, own, "the window keeps its theme");
+            fs::read(&file).expect("a picture")
+        };
+        let mut corner = |choices: &[&str]| {
+            let picture = export("page.png", &[&["Caption: sentence"][..], choices].concat());
+            image::load_from_memory(&picture).expect("a picture").to_rgb8().get_pixel(0, 0).0
+        };
+        let panel = |theme: Theme| theme.chrome().panel.0[..3].to_vec();
+        assert_eq!(corner(&[]).to_vec(), panel(Theme::Light));
+        assert_eq!(corner(&[&*format!("Theme: {}", own.id())]).to_vec(), panel(own));
+        let has_text = |svg: Vec<u8>| String::from_utf8_lossy(&svg).contains("<text");
+        assert!(!has_text(export("page.svg", &["SVG", "Caption: sentence"])));
+        assert!(has_text(export("page.svg", &["SVG", "Caption: sentence", "Words: live text"])));
+    }
 }
 
 #[test]
@@ -295,6 +324,7 @@ fn a_part_chosen_by_hand_is_exported_in_the_window_and_from_its_session() {
     let export = |window: &mut Window, name: &str| {
         let file = folder.path().join(name);
         window.command(Command::ExportPicture);
+        window.click_role(Role::Button, "Theme: dark");
         window.click_role(Role::Button, "1×");
         write_to(window, &file);
         fs::read(file).expect("a picture")

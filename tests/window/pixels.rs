@@ -61,6 +61,7 @@ fn what_a_frame_is_compared_with_stands_beside_it() {
         let folder = tempfile::tempdir().expect("a folder");
         let [mine, line, session] = ["mine.png", "line.png", "one.motionscope"].map(|name| folder.path().join(name));
         window.command(Command::ExportPicture);
+        window.click_role(Role::Button, "Theme: dark");
         window.click_role(Role::Button, "1×");
         write_to(&mut window, &mine);
         window.command(Command::SaveSession);
@@ -90,6 +91,7 @@ fn a_pixel_of_the_background_is_explained_as_that_of_the_frame() {
         let folder = tempfile::tempdir().expect("a folder");
         let [mine, line, session] = ["mine.png", "line.png", "one.motionscope"].map(|name| folder.path().join(name));
         window.command(Command::ExportPicture);
+        window.click_role(Role::Button, "Theme: dark");
         window.click_role(Role::Button, "1×");
         write_to(&mut window, &mine);
         window.command(Command::SaveSession);
@@ -181,6 +183,7 @@ fn a_pixel_that_is_held_stays_held_in_a_session() {
         let pixel = pointed(&window).filter(|pixel| pixel.is_held).expect("it is held");
         let [mine, line, other] = ["window.png", "line.png", "other.png"].map(|name| folder.path().join(name));
         window.command(Command::ExportPicture);
+        window.click_role(Role::Button, "Theme: dark");
         window.click_role(Role::Button, "1×");
         write_to(&mut window, &mine);
 

@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use eframe::egui::{self, Align, Button, Layout, RichText, TextEdit, TextStyle, Ui, WidgetInfo, vec2};
-use motionscope_core::{Cursor, Params, ProductKind, Value};
+use motionscope_core::params::Kind as ParameterKind;
+use motionscope_core::{Cursor, Params, ProductKind, Spec, Value};
 
 use super::path::PathField;
 use crate::experiment::Prepared;
 use crate::experiment::source::Source;
 use crate::media::export::{AnimationFormat, Inputs, Timing};
-use crate::paint::{Freehand, grouped};
+use crate::paint::{Freehand, Theme, grouped};
 use crate::results::{self, Export};
 use crate::ui::app::action::{Action, Actions, Browse};
 use crate::ui::app::commands::Granularities;
@@ -193,6 +194,9 @@ impl State {
         let from = Cursor { unit: shown.cursor.unit, event: 1 };
         // Before the first step the steps of the first unit are meant.
         let to = if shown.cursor < from { Cursor { event: usize::MAX, ..from } } else { shown.cursor };
+        // A dark page wastes the ink of a printer, and does not go with the white pages of a document.
+        let is_page = matches!(kind, Kind::Picture | Kind::Steps);
+        let look = if is_page { Look { theme: Theme::Light, ..look } } else { look };
         let mut state = Self {
             kind,
             path: PathField::default(),
@@ -480,6 +484,10 @@ fn options(ui: &mut Ui, state: &mut State, granularities: Granularities) {
             }
         });
     }
+    choice_of_look(ui, ("Theme", "theme"), &mut state.look);
+    if state.ending() == "svg" {
+        choice_of_look(ui, ("Words", "svg-text"), &mut state.look);
+    }
     panes(ui, state);
     let is_sheet = !state.selection().panes.is_empty();
     caption(ui, state, is_sheet);
@@ -537,6 +545,25 @@ fn timing(ui: &mut Ui, timing: &mut Timing) {
         ] {
             if ui.selectable_label(timing.between == between, label).on_hover_text(tip).clicked() {
                 timing.between = between;
+            }
+        }
+    });
+}
+
+/// One of the values of the view option `name`.
+fn choice_of_look(ui: &mut Ui, (label, name): (&str, &str), look: &mut Look) {
+    let found = Look::entries().iter().enumerate().find(|(_, spec)| spec.name == name);
+    let Some((index, Spec { kind: ParameterKind::Choice(choices), .. })) = found else { return };
+    line(ui, label, |ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        for choice in choices {
+            let value = Value::Choice(choice.name);
+            let is_chosen = look.value(index) == value;
+            let name = format!("{label}: {}", choice.label.to_lowercase());
+            let button = ui.selectable_label(is_chosen, choice.label).on_hover_text(choice.doc);
+            button.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, is_chosen, &name));
+            if button.clicked() {
+                look.set_value(index, value).unwrap_or_default();
             }
         }
     });
