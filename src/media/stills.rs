@@ -3,14 +3,15 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use motionscope_core::{ClipInfo, Error, Frame, Stop};
+use image::imageops::FilterType;
+use motionscope_core::{ClipInfo, Error, Frame, Grid, Stop};
 
 use super::names::file_name;
 use super::picture::Contrast;
 use super::sequence::Sequence;
 use super::stereo::keep_left;
 use super::tiff::Page;
-use super::{Decoder, Open, Source, name_of, picture};
+use super::{Decoder, Open, Source, check_size, name_of, picture};
 
 /// Opens the folder, pattern or picture at `path`; a numbered picture brings those that come after it.
 ///
@@ -23,7 +24,7 @@ pub(crate) fn open(path: &Path, options: &Open) -> Result<Source, Error> {
     }
     let mut sequence = Sequence::find(path)?;
     keep_left(&mut sequence, &options.given);
-    clip(path, name_of(path), sequence, options)
+    clip(path, name_of(path), sequence, (Fit::Exact, options))
 }
 
 /// Opens pictures as one clip.
@@ -32,7 +33,7 @@ pub(crate) fn open(path: &Path, options: &Open) -> Result<Source, Error> {
 /// One sentence, without the name of the first file.
 pub(crate) fn of_files(files: Vec<PathBuf>, options: &Open) -> Result<Source, Error> {
     let first = files.first().cloned().unwrap_or_default();
-    clip(&first, name_of(&first), Sequence { files, warnings: Vec::new() }, options)
+    clip(&first, name_of(&first), Sequence { files, warnings: Vec::new() }, (Fit::Exact, options))
 }
 
 /// Opens two pictures as one clip.
@@ -42,17 +43,89 @@ pub(crate) fn of_files(files: Vec<PathBuf>, options: &Open) -> Result<Source, Er
 pub(crate) fn pair(files: &[PathBuf; 2], options: &Open) -> Result<Source, Error> {
     let [first, second] = files;
     let name = format!("{} → {}", name_of(first), name_of(second));
-    let source = clip(first, name, Sequence { files: files.to_vec(), warnings: Vec::new() }, options)?;
-    // Of two frames none can be left out.
-    match picture::size(second).filter(|size| *size != (source.info.width, source.info.height)) {
-        Some((w, h)) => Err(Error::new(format!(
-            "it is {}×{} px, but {} is {w}×{h} px; scale one of them",
-            source.info.width,
-            source.info.height,
-            file_name(second)
-        ))),
-        None => Ok(source),
+    let fit = match [first, second].map(|file| picture::size(file)) {
+        [Some(one), Some(other)] if one != other => Fit::of(one, other),
+        // A damaged picture is reported when it is shown.
+        _ => Fit::Exact,
+    };
+    let size = |file: &Path| picture::size(file).map_or_else(String::new, sized);
+    let warnings = match fit {
+        Fit::Exact => Vec::new(),
+        Fit::Scaled => vec![format!(
+            "{} is scaled from {} to {}, the size of {}",
+            file_name(second),
+            size(second),
+            size(first),
+            file_name(first)
+        )],
+        Fit::Padded(to) => vec![format!(
+            "{} has {} and {} has {}: both are padded with black at the right and at the bottom to {}",
+            file_name(first),
+            size(first),
+            file_name(second),
+            size(second),
+            sized(to)
+        )],
+    };
+    clip(first, name, Sequence { files: files.to_vec(), warnings }, (fit, options))
+}
+
+/// How a picture of another size than the first one becomes a frame of the clip.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Fit {
+    /// It is refused.
+    Exact,
+    /// It is scaled to the size of the first picture.
+    Scaled,
+    /// Every picture is padded to this width and height in px, so that coordinates stay those of its file.
+    Padded((usize, usize)),
+}
+
+impl Fit {
+    /// The way for two pictures of different sizes: one with the proportions of the other is the same view at another scale, so it is
+    /// scaled; others, such as an object and a scene, keep their pixels.
+    fn of((width, height): (usize, usize), (w, h): (usize, usize)) -> Self {
+        // A side may be rounded by half a pixel of the smaller picture.
+        let (crossed, slack) = ((width * h).abs_diff(w * height), (width + height).max(w + h));
+        match 2 * crossed <= slack {
+            true => Self::Scaled,
+            false => Self::Padded((width.max(w), height.max(h))),
+        }
     }
+
+    /// `frame` in the size of the clip.
+    fn apply(self, frame: &Frame, size: (usize, usize)) -> Result<Frame, Error> {
+        let fitted = match (self, frame.color()) {
+            (Self::Scaled, Some(rgb)) => scaled::<image::Rgb<u8>, 3>(rgb, size).map(Frame::rgb),
+            (Self::Scaled, None) => scaled::<image::Luma<u8>, 1>(&frame.luma().map(|gray| [*gray]), size)
+                .map(|gray| Frame::gray(gray.map(|[gray]| *gray))),
+            (_, Some(rgb)) => Some(Frame::rgb(padded(rgb, size))),
+            (_, None) => Some(Frame::gray(padded(frame.luma(), size))),
+        };
+        fitted.ok_or_else(|| Error::new("it cannot be scaled to the size of the other picture"))
+    }
+}
+
+/// `pixels` scaled to a width and height in px; where it becomes smaller, pixels are averaged.
+fn scaled<P: image::Pixel<Subpixel = u8> + 'static, const N: usize>(
+    pixels: &Grid<[u8; N]>,
+    (width, height): (usize, usize),
+) -> Option<Grid<[u8; N]>> {
+    let side = |side: usize| u32::try_from(side).ok();
+    let from = pixels.cells().as_flattened().to_vec();
+    let image = image::ImageBuffer::<P, _>::from_raw(side(pixels.width())?, side(pixels.height())?, from)?;
+    let to = image::imageops::resize(&image, side(width)?, side(height)?, FilterType::Triangle).into_raw();
+    Grid::from_vec(width, height, to.as_chunks().0.to_vec()).ok()
+}
+
+/// `pixels` at the top left of a larger picture that is black elsewhere.
+fn padded<T: Copy + Default>(pixels: &Grid<T>, (width, height): (usize, usize)) -> Grid<T> {
+    let inside = |x, y| x < pixels.width() && y < pixels.height();
+    Grid::from_fn(width, height, |x, y| if inside(x, y) { pixels[(x, y)] } else { T::default() })
+}
+
+fn sized((width, height): (usize, usize)) -> String {
+    format!("{width}×{height} px")
 }
 
 /// The clip of the pages of one TIFF.
@@ -71,7 +144,7 @@ fn stack(path: &Path, pages: &[Page], options: &Open) -> Result<Source, Error> {
     let places: Arc<[Place]> =
         pages.iter().map(|page| Place { file: path.into(), page: Some(page.directory) }).collect();
     let contrast = if first.is_deep() { contrast(&places, options, &mut info.warnings)? } else { Contrast::default() };
-    Ok(Source::new(info, Stills { places, size: first.size, contrast }))
+    Ok(Source::new(info, Stills { places, size: first.size, fit: Fit::Exact, contrast }))
 }
 
 /// Most pictures that are decoded to find the range of their samples.
@@ -104,7 +177,7 @@ fn contrast(places: &[Place], options: &Open, warnings: &mut Vec<String>) -> Res
 }
 
 /// The clip `name` of a `sequence` of pictures, opened from `path`.
-fn clip(path: &Path, name: String, sequence: Sequence, options: &Open) -> Result<Source, Error> {
+fn clip(path: &Path, name: String, sequence: Sequence, (fit, options): (Fit, &Open)) -> Result<Source, Error> {
     let Sequence { files, mut warnings } = sequence;
     let is_alone = files.len() == 1;
     match files.first().map(|first| (first, picture::pages(first))) {
@@ -119,21 +192,25 @@ fn clip(path: &Path, name: String, sequence: Sequence, options: &Open) -> Result
     let Some(first) = files.first() else { return Err(Error::new("it holds no pictures")) };
     let picture = picture::open(first).map_err(|why| if first == path { why } else { about(first, &why) })?;
     warnings.extend(picture.warnings());
-    warnings.extend(misfits(&files, picture.size, options)?);
+    let size = if let Fit::Padded(size) = fit { size } else { picture.size };
+    check_size(size.0, size.1)?;
+    if fit == Fit::Exact {
+        warnings.extend(misfits(&files, size, options)?);
+    }
     let mut info = ClipInfo {
         name,
-        width: picture.size.0,
-        height: picture.size.1,
+        width: size.0,
+        height: size.1,
         frames: Some(files.len()),
         fps: None,
         container: CONTAINER.into(),
         codec: picture.codec.into(),
         warnings,
     };
-    let (size, is_deep) = (picture.size, picture.is_deep());
+    let is_deep = picture.is_deep();
     let places: Arc<[Place]> = files.iter().map(|file| Place { file: file.clone(), page: None }).collect();
     let contrast = if is_deep { contrast(&places, options, &mut info.warnings)? } else { Contrast::default() };
-    Ok(Source { info, decoder: Box::new(Stills { places, size, contrast }), files: Arc::from(files) })
+    Ok(Source { info, decoder: Box::new(Stills { places, size, fit, contrast }), files: Arc::from(files) })
 }
 
 /// The container name of image sequences.
@@ -179,6 +256,7 @@ struct Place {
 struct Stills {
     places: Arc<[Place]>,
     size: (usize, usize),
+    fit: Fit,
     contrast: Contrast,
 }
 
@@ -195,10 +273,13 @@ impl Stills {
     fn read(&self, place: &Place) -> Result<Frame, Error> {
         let picture = picture::open_page(&place.file, place.page)?;
         let ((w, h), (width, height)) = (picture.size, self.size);
-        if (w, h) != (width, height) {
+        if (w, h) == (width, height) {
+            return picture.frame(self.contrast);
+        }
+        if self.fit == Fit::Exact {
             return Err(Error::new(format!("it is {w}×{h} px, but the first picture is {width}×{height} px")));
         }
-        picture.frame(self.contrast)
+        self.fit.apply(&picture.frame(self.contrast)?, self.size)
     }
 }
 
@@ -399,6 +480,41 @@ mod tests {
         // What was the bottom left is the top left: much blue, no green.
         let [_, green, blue] = clip.frame(0).unwrap().color().unwrap()[(0, 0)];
         assert!(green < 12 && blue > 80, "{green} {blue}");
+    }
+
+    #[test]
+    fn two_pictures_of_different_sizes_are_a_clip() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = |name: &str, image: &DynamicImage| {
+            let path = folder.path().join(name);
+            fs::write(&path, encode(image, ImageFormat::Png)).unwrap();
+            path
+        };
+        let open = |files| media::open_pair(&files, &Open::default()).unwrap();
+        let ramp = |width, height, unit: f32| -> DynamicImage {
+            let gray = |x: u32, y: u32| image::Luma([(unit * (2 * x + 3 * y) as f32) as u8]);
+            image::GrayImage::from_fn(width, height, gray).into()
+        };
+        // Twice as large: the same gray levels in the size of the first, half a pixel of the larger one apart at most.
+        let clip = open([file("small.png", &ramp(24, 16, 2.0)), file("large.png", &ramp(48, 32, 1.0))]);
+        let [one, other] = [0, 1].map(|t| clip.frame(t).unwrap());
+        assert_eq!((clip.size(), other.size()), ((24, 16), (24, 16)));
+        let off = |x, y| one.luma()[(x, y)].abs_diff(other.luma()[(x, y)]);
+        // Beyond the border nothing is averaged.
+        assert!((1..15).all(|y| (1..23).all(|x| off(x, y) <= 4)));
+        let warnings = &clip.info().warnings;
+        assert!(
+            matches!(&warnings[..], [told] if told.contains("large.png") && told.contains("48×32")),
+            "{warnings:?}"
+        );
+        // An object and a scene keep their pixels and their coordinates, in colour and gray.
+        let clip = open([file("object.png", &picture(20, 1)), file("scene.png", &ramp(12, 30, 2.0))]);
+        let [object, scene] = [0, 1].map(|t| clip.frame(t).unwrap());
+        assert_eq!((clip.size(), object.size(), scene.size()), ((20, 30), (20, 30), (20, 30)));
+        let color = object.color().unwrap();
+        assert_eq!([color[(19, 5)], color[(19, 6)]], [[40, 152, 100], [0; 3]]);
+        assert_eq!([(11, 29), (12, 29)].map(|at| scene.luma()[at]), [2 * (22 + 87) as u8, 0]);
+        assert_eq!(clip.info().warnings.len(), 1);
     }
 
     #[test]
