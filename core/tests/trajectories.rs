@@ -175,7 +175,8 @@ fn who_goes_down_and_who_goes_left_have_a_heading() {
     let left = (0, [300.0, 120.0], [-4.0, 0.0], 30);
     let field = run(&*analysis(&[]), &clip(&[down, left], 32));
     let last = |i: usize| field.trajectories[i].sightings.last().and_then(|seen| seen.heading_deg()).expect("it moves");
-    assert!((last(0) + 90.0).abs() < 1.0, "{}", last(0));
+    // From x towards y, as orientations of keypoints.
+    assert!((last(0) - 90.0).abs() < 1.0, "{}", last(0));
     assert!(last(1) > 179.0 && last(1) <= 180.0, "{}", last(1));
 }
 

@@ -114,13 +114,13 @@ pub fn spaced(digits: &str) -> String {
     text
 }
 
-/// The direction of a velocity in degrees, counter-clockwise from right: more than −180 up to 180.
+/// The direction of a velocity in degrees as of all angles on a picture, from x (right) towards y (down): more than −180 up to 180.
 pub fn heading_deg([u, v]: [f64; 2]) -> f64 {
-    // Not `-v`: left would be −180 where v is 0.
-    (0.0 - v).atan2(u).to_degrees()
+    // A negative zero in v would turn left into −180.
+    (v + 0.0).atan2(u).to_degrees()
 }
 
-/// The direction of a velocity as text: `45°`, counter-clockwise from right as seen on the picture.
+/// The direction of a velocity as text: `45°` is right and down, as seen on the picture.
 pub fn heading([u, v]: [f64; 2]) -> String {
     let degrees = heading_deg([u, v]).round();
     // No negative zero, and one value for left.
@@ -208,7 +208,7 @@ mod tests {
         assert_eq!([fixed(f64::NEG_INFINITY, 2), fixed(f64::NAN, 2)], ["−∞", "undefined"]);
         assert_eq!([fine(1403.247), fine(-0.001), fine(-12.0)], ["1403.25", "0.00", "−12.00"]);
         let headings = [[2.0, 0.0], [0.0, -3.0], [-1.0, 0.0], [0.0, 4.0], [-9.0, 0.01]].map(heading);
-        assert_eq!(headings, ["0°", "90°", "180°", "−90°", "180°"]);
+        assert_eq!(headings, ["0°", "−90°", "180°", "90°", "180°"]);
         assert_eq!(place([126.737, -3.0]), "(126.74,\u{a0}−3.00)");
         assert_eq!([0.9999, 0.99, 0.5].map(percent), ["99.99 %", "99 %", "50 %"]);
     }

@@ -1062,8 +1062,8 @@ pub static GLOSSARY: &[Term] = &[
         Trajectories,
         "heading",
         &["headings", "direction of motion"],
-        "The direction of a velocity as an angle, here counter-clockwise from the x axis as seen on the picture: 90° is up, where v is \
-        negative.",
+        "The direction of a velocity as an angle. All angles on a picture count from the x axis (right) towards the y axis (down), clockwise \
+        as seen: 90° is down.",
     ),
     term(
         InterestPoints,
@@ -1788,7 +1788,8 @@ pub static GLOSSARY: &[Term] = &[
         InterestPoints,
         "orientation histogram",
         &["orientation histograms"],
-        "A histogram of the gradient directions around a keypoint; its peaks are the orientations of the keypoint.",
+        "A histogram of the gradient directions around a keypoint, as angles from the x axis (right) towards the y axis (down); its peaks are \
+        the orientations of the keypoint.",
     ),
     term(
         MovingObjects,

@@ -42,7 +42,7 @@ pub(crate) fn speed([u, v]: [f64; 2]) -> String {
 
 /// The same with how a heading is counted.
 pub(crate) fn velocity(velocity: [f64; 2]) -> String {
-    format!("{} (90° is up)", speed(velocity))
+    format!("{} (90° is down)", speed(velocity))
 }
 
 /// The names of rows and columns of a table of tracks (rows) and detections (columns).

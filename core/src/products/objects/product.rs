@@ -247,7 +247,7 @@ impl ObjectField {
 
 /// The positions of each trajectory: `crossed` is the number of the first line that is crossed, positive to its right and negative to
 /// its left, `in_zone` the number of the first zone that it is in; both count from 1, and 0 is none. `unusual_deg` is the angle to the
-/// mean direction of the others where that is anomalous. Headings count counter-clockwise from right.
+/// mean direction of the others where that is anomalous. Headings count from x (right) towards y (down).
 fn trajectories(field: &ObjectField) -> Table {
     let columns = [
         "frame",

@@ -57,7 +57,7 @@ pub struct Dwell {
 }
 
 impl TrackPoint {
-    /// Returns the heading in degrees counter-clockwise from right, more than −180 up to 180; `None` at rest or at the first
+    /// Returns the heading in degrees from x (right) towards y (down), more than −180 up to 180; `None` at rest or at the first
     /// position.
     pub fn heading_deg(&self) -> Option<f64> {
         self.velocity.filter(|velocity| *velocity != [0.0; 2]).map(heading_deg)

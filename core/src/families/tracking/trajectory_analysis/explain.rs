@@ -37,7 +37,7 @@ impl TrajectoryAnalysis {
             return said
                 .text("The trajectories of tracks give ")
                 .ink(Role::Result, "speed and heading")
-                .text(" (counter-clockwise from the x axis, so 90° is up), crossings of ")
+                .text(" (from the x axis towards the y axis, so 90° is down), crossings of ")
                 .ink(Role::Window, "lines")
                 .text(", dwell times in ")
                 .ink(Role::Reference, "zones")
@@ -227,11 +227,11 @@ impl TrajectoryAnalysis {
         ];
         if x.hypot(y) >= f64::from(self.min_speed) {
             lines.push(Math::Row(vec![
-                Math::text("heading = atan2(−"),
+                Math::text("heading = atan2("),
                 part("y"),
                 Math::text(", "),
                 part("x"),
-                Math::text(format!(") = atan2({}, {}) = ", px(0.0 - y), px(x))),
+                Math::text(format!(") = atan2({}, {}) = ", px(y), px(x))),
                 Math::ink(Role::Result, heading([x, y])),
             ]));
         }
@@ -244,7 +244,7 @@ impl TrajectoryAnalysis {
             let speed = |v: &[f64; 2]| format!("{} px/frame", px(v[0].hypot(v[1])));
             facts.push(Fact::new("Speed", speed(velocity), Some(Role::Result)));
             facts.push(Fact::new("Speed since last position", speed(step), Some(Role::Measured)));
-            facts.push(Fact::new("Heading", format!("{} (90° is up)", heading(*velocity)), None));
+            facts.push(Fact::new("Heading", format!("{} (90° is down)", heading(*velocity)), None));
         }
         facts.push(Fact::new("Path length", format!("{} px", px(trajectory.length_px())), None));
         if let Some(straightness) = trajectory.straightness() {
@@ -472,5 +472,5 @@ fn series(trajectory: &Trajectory, x_max: usize) -> Vec<Series> {
     if trajectory.sightings.len() < 3 {
         return Vec::new();
     }
-    vec![series("Speed", "px/frame", speeds), series("Heading", "° counter-clockwise from right", headings)]
+    vec![series("Speed", "px/frame", speeds), series("Heading", "°, 90° is down", headings)]
 }
