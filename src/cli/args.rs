@@ -357,7 +357,7 @@ pub struct ExportArgs {
     /// Save the steps as one animation instead: .gif, .apng, .webp or, by ffmpeg, .mp4.
     #[arg(long, help_heading = "Output", value_name = "FILE", conflicts_with_all = ["out", "format"])]
     pub animation: Option<PathBuf>,
-    /// Steps per second of the animation, 0.1 to 50.
+    /// Steps per second of the animation, 0.1 to 60.
     #[arg(long, help_heading = "Output", value_name = "HZ", default_value_t = Timing::default().rate_hz, value_parser = rate, requires = "animation")]
     pub rate: f32,
     /// Blended pictures that lead from each step of the animation to the next.

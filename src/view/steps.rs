@@ -61,12 +61,14 @@ pub enum Medium<'a> {
 pub const STEP: &str = "step_";
 
 /// The pictures that were saved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Written {
     /// Their number.
     pub count: usize,
     /// The number of pictures without the requested layer, the layer, and why the first has none.
     bare: Option<(usize, FlowLayer, &'static str)>,
+    /// Steps per second of an animation whose format cannot play as fast as was asked for.
+    slowed_hz: Option<f32>,
 }
 
 impl Written {
@@ -84,8 +86,15 @@ impl Written {
         if self.count == 1 { "1 picture".into() } else { format!("{} pictures", self.count) }
     }
 
-    /// Returns what is missing, as the end of a sentence.
+    /// Returns what is not as it was asked for, as the end of a sentence.
     pub fn without(&self) -> String {
+        let slowed = self.slowed_hz.map_or_else(String::new, |rate_hz| {
+            format!(", at {} steps/s, the most that this format plays", (100.0 * rate_hz).round() / 100.0)
+        });
+        slowed + &self.without_layer()
+    }
+
+    fn without_layer(&self) -> String {
         match self.bare {
             None => String::new(),
             Some((bare, layer, why)) => {
@@ -131,15 +140,17 @@ impl Steps {
             Medium::Animation(path, timing) => {
                 let format = AnimationFormat::of(path)?;
                 let [r, g, b, _] = self.look.theme.chrome().panel.0;
-                let mut reel = Reel::new(timing, [r, g, b]);
+                let played = timing.played(format);
+                let mut reel = Reel::new(played, [r, g, b]);
                 let painting = progress.map(|progress| Part { progress, from: 0.0, to: PAINTING });
                 let painting = painting.as_ref().map(|part| part as &dyn Progress);
-                let written = self.each(prepared, painting, tell, |rendering, layout, _| {
+                let mut written = self.each(prepared, painting, tell, |rendering, layout, _| {
                     reel.push(rendering.encode_in(layout, Format::Png, self.scale)?)
                 })?;
                 let encoding = progress.map(|progress| Part { progress, from: PAINTING, to: 1.0 });
                 let bytes = reel.encode(format, encoding.as_ref().map(|part| part as &dyn Progress))?;
                 export::save_result(path, &bytes)?;
+                written.slowed_hz = (played != timing).then_some(played.rate_hz);
                 Ok(written)
             }
         }

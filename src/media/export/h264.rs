@@ -81,10 +81,10 @@ impl Video {
         pour: impl FnOnce(&mut Pipe<'_>) -> Result<(), Error>,
     ) -> Result<(), Error> {
         // The table of an MP4 file is written last and moved to its front: that needs a file, not a pipe.
-        let ([width, height], rate) = (self.size, (1000.0 * self.rate_hz).round() / 1000.0);
+        let ([width, height], rate) = (self.size, ratio(self.rate_hz));
         let mut child = program("ffmpeg")
             .args(["-hide_banner", "-loglevel", "error", "-nostdin", "-f", "rawvideo", "-pix_fmt", "rgb24"])
-            .args(["-video_size", &format!("{width}x{height}"), "-framerate", &rate.to_string(), "-i", "pipe:0"])
+            .args(["-video_size", &format!("{width}x{height}"), "-framerate", &rate, "-i", "pipe:0"])
             // The chroma of 4:2:0 needs even sides; the matrix is that of high definition, and says so.
             .args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709", "-colorspace", "bt709"])
             .args(["-c:v", "libx264", "-crf", &self.crf.to_string(), "-pix_fmt", "yuv420p", "-movflags", "+faststart"])
@@ -146,6 +146,18 @@ impl Video {
             io::ErrorKind::NotFound => self.failed(&format!("it needs ffmpeg; install it, or {}", self.instead)),
             _ => self.failed(error),
         }
+    }
+}
+
+/// A rate in frames per second as a fraction: whole rates, those of NTSC, whose decimals are rounded (29.97 is 30000/1001), or thousandths.
+fn ratio(rate_hz: f64) -> String {
+    // 23.976, 29.97 and 59.94 are a millionth off.
+    let is = |wanted: f64| (rate_hz / wanted - 1.0).abs() < 2e-6;
+    let (whole, ntsc) = (rate_hz.round(), (rate_hz * 1.001).round());
+    match () {
+        () if is(whole) => format!("{whole}/1"),
+        () if is(ntsc / 1.001) => format!("{}/1001", 1000.0 * ntsc),
+        () => format!("{}/1000", (1000.0 * rate_hz).round()),
     }
 }
 
@@ -259,6 +271,23 @@ mod tests {
         };
         let mean = f64::from((0..64).map(off).sum::<u32>()) / f64::from(97 * 64);
         assert!(mean < 2.5, "gray levels change by {mean} on average");
+    }
+
+    #[test]
+    fn rates_are_fractions_without_rounding_errors() {
+        let rates = [12.0, 25.0, 29.97, f64::from(29.97_f32), 30_000.0 / 1001.0, 23.976, 59.94, 12.5, 1.0 / 3.0];
+        let wanted = [
+            "12/1",
+            "25/1",
+            "30000/1001",
+            "30000/1001",
+            "30000/1001",
+            "24000/1001",
+            "60000/1001",
+            "12500/1000",
+            "333/1000",
+        ];
+        assert_eq!(rates.map(ratio), wanted);
     }
 
     #[test]

@@ -23,7 +23,7 @@ pub fn encode(reel: &Reel, progress: Option<&dyn Progress>) -> Result<Vec<u8>, E
     encoder.add_text_chunk("Software".into(), "Motionscope".into()).map_err(why)?;
     let mut writer = encoder.write_header().map_err(why)?;
     let mut before: Option<Vec<u8>> = None;
-    reel.each(progress, |_, shot| {
+    reel.each(AnimationFormat::Apng, progress, |_, shot| {
         let delay_ms = shot.ticks(1000.0).min(u32::from(u16::MAX)) as u16;
         let now = shot.picture.into_raw();
         let area = before.as_ref().map_or(Area::whole(reel.size), |before| Area::of_changes([before, &now], width, 3));

@@ -11,7 +11,7 @@ use super::{AnimationFormat, Area, Progress, Reel, failed};
 /// The index of pixels that stay as they were.
 const UNCHANGED: u8 = COLORS as u8;
 /// The shortest time that viewers respect, in hundredths of a second.
-const LEAST_DELAY: u32 = 2;
+pub(super) const LEAST_DELAY: u32 = 2;
 
 /// Encodes `reel` as a GIF.
 ///
@@ -28,7 +28,7 @@ pub fn encode(reel: &Reel, progress: Option<&dyn Progress>) -> Result<Vec<u8>, E
     let mut encoder = Encoder::new(&mut bytes, wide, tall, &palette.bytes()).map_err(why)?;
     encoder.set_repeat(Repeat::Infinite).map_err(why)?;
     let mut before: Option<Vec<u8>> = None;
-    reel.each(progress, |_, shot| {
+    reel.each(AnimationFormat::Gif, progress, |_, shot| {
         let now: Vec<u8> = shot.picture.pixels().map(|pixel| palette.index(pixel.0)).collect();
         let (area, pixels) = match &before {
             None => (Area::whole(reel.size), now.clone()),

@@ -61,6 +61,14 @@ impl AnimationFormat {
         }
     }
 
+    /// Returns the shortest time of a picture in seconds: viewers show a GIF with shorter ones much slower.
+    fn least_s(self) -> f64 {
+        match self {
+            Self::Gif => f64::from(gif::LEAST_DELAY) / 100.0,
+            Self::Apng | Self::WebP | Self::Mp4 => 0.0,
+        }
+    }
+
     /// Returns what the format is good for.
     pub fn doc(self) -> &'static str {
         match self {
@@ -82,8 +90,8 @@ pub struct Timing {
 }
 
 impl Timing {
-    /// The slowest and the fastest rate in steps per second; GIF has no shorter times than hundredths of a second.
-    pub const RATE_HZ: std::ops::RangeInclusive<f32> = 0.1..=50.0;
+    /// The slowest and the fastest rate in steps per second.
+    pub const RATE_HZ: std::ops::RangeInclusive<f32> = 0.1..=60.0;
     /// The largest number of pictures between two steps.
     pub const MOST_BETWEEN: u32 = 8;
 
@@ -92,13 +100,21 @@ impl Timing {
         self.rate_hz.clamp(*Self::RATE_HZ.start(), *Self::RATE_HZ.end()).into()
     }
 
-    /// Returns the time of each picture in seconds: of a step, and of one that leads to the next.
-    fn times_s(self) -> [f64; 2] {
-        let whole = 1.0 / self.rate();
-        match self.between {
-            0 => [whole, 0.0],
-            count => [whole * (1.0 - TURN), whole * TURN / f64::from(count)],
+    /// Returns the timing with which a file of this `format` plays: slower where its pictures would have too little time.
+    #[must_use]
+    pub fn played(self, format: AnimationFormat) -> Self {
+        let most_hz = 1.0 / (format.least_s() * f64::from(1 + self.between));
+        Self { rate_hz: self.rate_hz.min(most_hz as f32), ..self }
+    }
+
+    /// Returns the time of each picture in seconds, if each has at least `least_s`: of a step, and of one that leads to the next.
+    fn times_s(self, least_s: f64) -> [f64; 2] {
+        let (whole, count) = (1.0 / self.rate(), f64::from(self.between));
+        if self.between == 0 {
+            return [whole, 0.0];
         }
+        let between = (whole * TURN / count).max(least_s);
+        [whole - count * between, between]
     }
 }
 
@@ -127,7 +143,8 @@ struct Shot {
 impl Shot {
     /// Returns its time in units of which `per_second` make a second. Both ends are rounded, so that rounding errors do not add up.
     fn ticks(&self, per_second: f64) -> u32 {
-        let end = |time: f64| (time * per_second).round() as u32;
+        // The end of one picture and the start of the next are computed apart: halves are rounded to the same side.
+        let end = |time: f64| (time * per_second + 1e-6).round() as u32;
         end(self.until_s) - end(self.from_s)
     }
 }
@@ -171,13 +188,14 @@ impl Reel {
         (self.steps.len() - 1) * (1 + self.timing.between as usize) + 1
     }
 
-    /// Hands all pictures over in order, after their index.
+    /// Hands all pictures over in order, after their index, with their times in a file of this `format`.
     fn each(
         &self,
+        format: AnimationFormat,
         progress: Option<&dyn Progress>,
         mut take: impl FnMut(usize, Shot) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let [step_s, between_s] = self.timing.times_s();
+        let [step_s, between_s] = self.timing.times_s(format.least_s());
         let (count, mut index) = (self.shots(), 0);
         let mut give = |picture: RgbImage, from_s: f64, for_s: f64| {
             let shot = Shot { picture, from_s, until_s: from_s + for_s };

@@ -2,7 +2,7 @@
 
 use motionscope_core::Error;
 
-use super::{Progress, Reel, Timing};
+use super::{AnimationFormat, Progress, Reel, Timing};
 use crate::media::export::h264::Video;
 
 /// Players handle videos of fewer frames per second badly.
@@ -18,7 +18,9 @@ pub fn encode(reel: &Reel, progress: Option<&dyn Progress>) -> Result<Vec<u8>, E
     let (size, rate_hz) = (reel.size.map(|side| side as usize), video_rate(reel.timing));
     let video = Video { what: "animation", instead: "save as .gif, .apng or .webp", size, rate_hz, crf: 16 };
     video.encode(progress, |pipe| {
-        reel.each(progress, |_, shot| (0..shot.ticks(rate_hz)).try_for_each(|_| pipe.put(shot.picture.as_raw())))
+        reel.each(AnimationFormat::Mp4, progress, |_, shot| {
+            (0..shot.ticks(rate_hz)).try_for_each(|_| pipe.put(shot.picture.as_raw()))
+        })
     })
 }
 

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use color_quant::NeuQuant;
 use motionscope_core::Error;
 
-use super::{Progress, Reel};
+use super::{AnimationFormat, Progress, Reel};
 
 /// The number of colours; one more is left for pixels that do not change.
 pub const COLORS: usize = 255;
@@ -37,7 +37,7 @@ impl Palette {
         // Odd, so that columns are not counted again and again.
         let every = (pixels / COUNTED) as usize | 1;
         let mut counts: HashMap<[u8; 3], u32> = HashMap::new();
-        reel.each(progress, |_, shot| {
+        reel.each(AnimationFormat::Gif, progress, |_, shot| {
             for pixel in shot.picture.pixels().step_by(every) {
                 *counts.entry(pixel.0).or_default() += 1;
             }

@@ -76,6 +76,26 @@ fn rounding_errors_of_times_do_not_add_up() {
 }
 
 #[test]
+fn a_gif_plays_at_the_rate_that_is_told() {
+    for (rate_hz, between) in [(60.0, 0), (50.0, 0), (8.0, 4), (25.0, 4), (30.0, 1), (2.0, 8)] {
+        let timing = Timing { rate_hz, between }.played(AnimationFormat::Gif);
+        let mut reel = Reel::new(timing, [0; 3]);
+        for level in 0..31_u8 {
+            reel.push(png(4, 4, Pixels::Gray(&[8 * level; 16])).expect("a picture")).expect("a PNG file");
+        }
+        let frames = decoded(AnimationFormat::Gif, &reel.encode(AnimationFormat::Gif, None).expect("it is encoded"));
+        let ms: Vec<u32> = frames.iter().map(|frame| frame.delay().numer_denom_ms()).map(|(n, d)| n / d).collect();
+        assert!(ms.iter().all(|ms| *ms >= 20), "viewers play no faster: {ms:?}");
+        let all: u32 = ms[..30 * (1 + between as usize)].iter().sum();
+        let wanted = 30_000.0 / timing.rate_hz;
+        assert!((all as f32 - wanted).abs() <= 10.0, "{rate_hz} Hz, {between}: {all} ms, not {wanted}");
+    }
+    assert_eq!(Timing { rate_hz: 60.0, between: 0 }.played(AnimationFormat::Gif).rate_hz, 50.0);
+    assert_eq!(Timing { rate_hz: 25.0, between: 4 }.played(AnimationFormat::Gif).rate_hz, 10.0);
+    assert_eq!(Timing { rate_hz: 60.0, between: 4 }.played(AnimationFormat::Mp4).rate_hz, 60.0);
+}
+
+#[test]
 fn pictures_in_between_lead_to_the_next() {
     let (reel, wanted) = moving(3);
     let frames = decoded(AnimationFormat::Apng, &reel.encode(AnimationFormat::Apng, None).expect("it is encoded"));

@@ -30,7 +30,7 @@ pub fn encode(reel: &Reel, progress: Option<&dyn Progress>) -> Result<Vec<u8>, E
     // A transparent background, and no end of repetitions.
     chunk(&mut chunks, b"ANIM", &[0; 6]);
     let mut before: Option<Vec<u8>> = None;
-    reel.each(progress, |_, shot| {
+    reel.each(AnimationFormat::WebP, progress, |_, shot| {
         let ms = shot.ticks(1000.0);
         let now = shot.picture.into_raw();
         let area =
