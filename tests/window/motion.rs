@@ -217,3 +217,58 @@ fn streaklines_move_where_there_are_some_and_cost_nothing_where_there_are_none()
     let rests = (0..100).any(|_| next_frame(&mut window) == Duration::MAX);
     assert!(rests, "nothing is to be drawn");
 }
+
+/// Opens something in a window.
+type Opening = fn(&mut Window);
+
+#[test]
+fn the_window_rests_whatever_is_open() {
+    const OPENED: [(&str, Opening); 10] = [
+        ("the run", |_| ()),
+        ("the export of a picture", |window| window.command(Command::ExportPicture)),
+        ("the export of steps", |window| window.command(Command::ExportSteps)),
+        ("the export of a result", |window| window.command(Command::ExportResult)),
+        ("a session to be saved", |window| window.command(Command::SaveSession)),
+        ("a clip to be opened", |window| window.command(Command::Open)),
+        ("the palette", |window| window.command(Command::Palette)),
+        ("the search", |window| window.command(Command::SearchText)),
+        ("the glossary", |window| window.command(Command::Glossary)),
+        ("a word in the search", |window| {
+            window.command(Command::SearchText);
+            window.harness.get_by_label("Words to find").type_text("flow");
+        }),
+    ];
+    for (what, open) in OPENED {
+        let mut window = Window::usual();
+        open(&mut window);
+        window.settle();
+        rests(&mut window, Duration::MAX, what);
+    }
+    let mut window = Window::usual();
+    window.press(Modifiers::SHIFT, Key::F);
+    window.settle();
+    window.app().wait_for_next();
+    window.settle();
+    rests(&mut window, Duration::from_secs(1), "the presenter's window, whose clock counts minutes");
+}
+
+#[test]
+fn a_lesson_from_a_file_rests_until_it_is_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("mine.md");
+    let text =
+        "# Mine\n+++\ntitle = \"One\"\nclip = \"synth:pillar\"\nestimator = \"diamond\"\nstep = \"3.1\"\n+++\nWords.\n";
+    fs::write(&path, text).expect("a lesson");
+    let mut window = Window::with(vec2(1280.0, 720.0), Start { open: Some(path.into()) });
+    window.settle();
+    rests(&mut window, Duration::MAX, "a lesson from a file");
+}
+
+/// Fails unless the window comes to rest, and then asks to be drawn again no sooner than after `least`.
+fn rests(window: &mut Window, least: Duration, what: &str) {
+    // Marks that are new are lit, and messages stay, for some seconds.
+    let is_at_rest = (0..1000).any(|_| next_frame(window) >= least);
+    assert!(is_at_rest, "{what}: the window is drawn again after {:?}", next_frame(window));
+    // And stays there.
+    assert!((0..3).all(|_| next_frame(window) >= least), "{what}");
+}
