@@ -30,7 +30,6 @@ mod tunnel;
 mod turning_box;
 mod turntable;
 mod wallpaper;
-mod wrong_way;
 
 use super::Sample;
 
@@ -64,5 +63,4 @@ pub const SCENES: &[Sample] = &[
     spinning_sign::SAMPLE,
     blurred_swing::SAMPLE,
     fast_flight::SAMPLE,
-    wrong_way::SAMPLE,
 ];
