@@ -1625,8 +1625,9 @@ fn what_the_limit_of_the_address_space_forbids_is_refused_in_a_sentence() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     // Two gray pictures of 36 megapixels: Horn–Schunck takes gigabytes for them.
-    let picture = [b"P5\n6000 6000\n255\n".to_vec(), vec![7; 6000 * 6000]].concat();
-    ["a.pgm", "b.pgm"].into_iter().for_each(|name| fs::write(here.join(name), &picture).unwrap());
+    for (name, level) in [("a.pgm", 7), ("b.pgm", 9)] {
+        fs::write(here.join(name), [b"P5\n6000 6000\n255\n".to_vec(), vec![level; 6000 * 6000]].concat()).unwrap();
+    }
     let limited = |kilobytes: u32, line: &str| {
         let script = format!("ulimit -v {kilobytes}; exec \"$0\" {line}");
         let mut command = Command::new("sh");

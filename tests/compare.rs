@@ -197,7 +197,11 @@ fn the_courses_table_is_measured_cell_by_cell() {
         claim.unwrap_or_else(|| panic!("{words}"))["holds"].as_bool().unwrap()
     };
     let pan = figures("large motion: blocks");
-    assert_eq!(holds("large motion: blocks", "Better than sequential"), pan[1] > pan[0] && pan[1] < 90.0, "{pan:?}");
+    assert_eq!(
+        holds("large motion: blocks", "Better than sequential"),
+        pan[1] > pan[0] + 5.0 && pan[1] < 90.0,
+        "{pan:?}"
+    );
     let db = figures("accuracy: PSNR");
     assert_eq!(holds("accuracy: PSNR", "more accurate"), db[2] > db[0] + 0.1, "{db:?}");
     let error = figures("accuracy: mean endpoint error");

@@ -45,7 +45,7 @@ fn facts_of_every_fixture() {
         ("vp9.webm", "webm vp9", (64, 48), 12, 25.0, ""),
         ("vp9_alt_ref.webm", "webm vp9", (64, 48), 20, 25.0, ""),
         ("vp9_10bit.webm", "webm vp9", (64, 48), 4, 25.0, "10 bits"),
-        ("vp9_odd.webm", "webm vp9", (37, 21), 4, 25.0, ""),
+        ("vp9_odd.webm", "webm vp9", (37, 21), 4, 25.0, "28:37"),
         ("vp9.mp4", "mp4 vp9", (64, 48), 6, 25.0, ""),
         ("mjpeg.avi", "avi mjpeg", (64, 48), 4, 25.0, ""),
         ("mjpeg_422.avi", "avi mjpeg", (64, 48), 3, 25.0, ""),

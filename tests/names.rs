@@ -15,7 +15,7 @@ const DATA: [(&str, &str); 4] = [
 ];
 
 /// Words that are names of something else in the file that has them.
-const OTHERWISE: [(&str, &str, &str); 47] = [
+const OTHERWISE: [(&str, &str, &str); 50] = [
     ("src/cli/args.rs", "frame", "a flag"),
     ("src/cli/lessons.rs", "clip", "a key of the JSON"),
     ("src/cli/lessons.rs", "step", "a key of the JSON"),
@@ -55,7 +55,10 @@ const OTHERWISE: [(&str, &str, &str); 47] = [
     ("src/ui/dialogs/compare.rs", "clip", "a granularity"),
     ("src/ui/drawing/arrows.rs", "gamma", "an entry point of a shader"),
     ("src/ui/model/document.rs", "stage", "a change that is undone"),
-    ("src/ui/model/loader.rs", "flow", "a kind of truth"),
+    ("src/experiment/mod.rs", "flow", "a kind of truth"),
+    ("src/media/picture.rs", "hierarchical", "a process of JPEG"),
+    ("src/media/truth/mot.rs", "object", "a column of the file"),
+    ("src/paint/svg.rs", "round", "a value of the format"),
     ("src/view/motion.rs", "flow", "a kind of truth"),
     ("src/ui/panes/granularities.rs", "run", "the whole run, above all granularities"),
     ("src/ui/panes/granularities.rs", "step", "any granularity"),

@@ -104,7 +104,7 @@ const ELSEWHERE: &[(&str, usize, &[&str], Elsewhere)] = &[
     ("horn-schunck", 5, &["0.6", "0.3"], Elsewhere::Follow),
     ("horn-schunck", 5, &["300", "0.548", "0.266"], Elsewhere::Step("300.3")),
     ("interest-points", 1, &["100", "120"], Elsewhere::Page("interest-points", 2)),
-    ("interest-points", 7, &["128"], Elsewhere::Page("interest-points", 6)),
+    ("interest-points", 8, &["128"], Elsewhere::Page("interest-points", 7)),
     ("background-subtraction", 7, &["8855"], Elsewhere::Page("background-subtraction", 6)),
     // From (1.98, 0.99) to (1.96, 0.96) px.
     ("motion-segmentation", 3, &["0.04"], Elsewhere::Follow),

@@ -149,7 +149,9 @@ impl Sample {
 /// # Errors
 /// If there is none: a sentence with all names.
 pub fn scene(id: &str) -> Result<&'static Sample, Error> {
-    let is_called = |scene: &&Sample| scene.id == id || words::is_name(id, scene.title);
+    // A title is a name, and what the scene teaches behind a colon.
+    let name = |scene: &Sample| scene.title.split(':').next().unwrap_or(scene.title);
+    let is_called = |scene: &&Sample| scene.id == id || words::is_name(id, name(scene));
     SCENES.iter().find(is_called).ok_or_else(|| {
         let ids: Vec<_> = SCENES.iter().map(|scene| scene.id).collect();
         Error::new(words::there_is_no("synthetic scene", id, &ids))

@@ -45,7 +45,7 @@ const LESSON: &str = "lesson:";
 const EXTENSION: &str = "md";
 
 /// What a paragraph that asks for a prediction begins with.
-const QUESTION: &str = "Predict:";
+const QUESTIONS: [&str; 3] = ["Predict:", "Before you step on:", "Before you turn the page:"];
 
 /// The most bytes of a lesson's file: it is read between two frames of the window.
 const MOST_BYTES: u64 = 300_000;
@@ -81,9 +81,10 @@ pub struct Page {
 }
 
 impl Page {
-    /// Whether it asks the reader to predict something: by its header, or by a paragraph that begins with `Predict:`.
+    /// Whether it asks the reader to predict something: by its header, or by a paragraph that begins as a question does.
     pub fn asks(&self) -> bool {
-        let has_question = |prose: &Prose| prose.plain().lines().any(|line| line.starts_with(QUESTION));
+        let has_question =
+            |prose: &Prose| prose.plain().lines().any(|line| QUESTIONS.iter().any(|begins| line.starts_with(begins)));
         self.predicts || self.words.as_ref().is_ok_and(has_question)
     }
 }

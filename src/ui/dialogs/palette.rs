@@ -175,7 +175,7 @@ fn rank(query: &str, entry: &Entry) -> Option<Rank> {
     // The kind of thing comes before its own name.
     let own = text.split_once(": ").map_or(text.as_str(), |(_, name)| name);
     let place = match () {
-        () if fuzzy::begins(query, own) => Place::Begins,
+        () if fuzzy::begins(query, own) || fuzzy::begins(query, also) => Place::Begins,
         () if fuzzy::mentions(query, text) => Place::Name,
         () if fuzzy::mentions(query, &beside) => Place::Beside,
         () if fuzzy::mentions(query, &format!("{beside} {about}")) => Place::About,

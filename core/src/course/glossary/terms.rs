@@ -1062,8 +1062,7 @@ pub static GLOSSARY: &[Term] = &[
         Trajectories,
         "heading",
         &["headings", "direction of motion"],
-        "The direction of a velocity as an angle. All angles on a picture count from the x axis (right) towards the y axis (down), clockwise \
-        as seen: 90° is down.",
+        "The direction of a velocity as an angle from the x axis (right) towards the y axis (down), as all angles on a picture: 90° is down.",
     ),
     term(
         InterestPoints,

@@ -171,7 +171,7 @@ impl State {
 
     /// Whether the peak is the translation: significant, and not contradicted by the pictures.
     fn is_accepted(&self) -> bool {
-        self.is_significant() && self.doubt.is_none()
+        self.is_significant() && !self.doubt.is_some_and(|doubt| doubt.is_refuting())
     }
 
     /// The translation so far, in px.

@@ -108,6 +108,16 @@ struct Live {
 }
 
 impl Live {
+    /// Returns the mean absolute difference in gray levels from the first view at position `at`, as it was deformed last; 0 where nothing
+    /// of it is visible.
+    fn dissimilarity(&self, next: &Level, at: [f32; 2]) -> f32 {
+        let fit = Fit { matrix: self.matrix, shift: [0.0; 2], light: self.light, difference: 0.0, share: 1.0 };
+        let warped = self.view.warped(next, at, &fit);
+        let seen = warped.iter().zip(self.view.values()).filter(|(now, _)| now.is_finite());
+        let (sum, count) = seen.fold((0.0, 0), |(sum, count), (now, then)| (sum + (now - then).abs(), count + 1));
+        sum / (count as f32).max(1.0)
+    }
+
     /// Returns the feature with an updated affine fit.
     fn seen_as(self, fit: &Fit) -> Self {
         Self { matrix: fit.matrix, light: fit.light, ..self }
@@ -243,9 +253,13 @@ impl Klt {
         }
         let start = Start { matrix: live.matrix, light: self.illumination.then_some(live.light) };
         match live.view.fit(&pair.pyramids[1][0], to, start, &mut Mapped { observer, map: Event::Fit }) {
-            // Near the border too little of the view is visible. A fit that does not converge has no dissimilarity: limbs and faces bend
-            // otherwise than an affine map. Residual and forward–backward check have accepted the feature.
-            Err(FitFailure::Undetermined | FitFailure::Diverged) => Ok(next),
+            // Near the border too little of the view is visible.
+            Err(FitFailure::Undetermined) => Ok(next),
+            // Limbs and faces bend otherwise than an affine map: without a fit, the view as it was deformed last is compared.
+            Err(FitFailure::Diverged) => match live.dissimilarity(&pair.pyramids[1][0], to) > self.max_dissimilarity {
+                true => Err(Status::Changed),
+                false => Ok(next),
+            },
             Ok(fit) if fit.difference > self.max_dissimilarity => Err(Status::Changed),
             Ok(fit) => Ok(next.seen_as(&fit)),
         }

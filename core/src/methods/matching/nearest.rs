@@ -49,7 +49,7 @@ pub struct Neighbors {
 }
 
 impl Neighbors {
-    /// The ratio of both distances; 1 if both are 0.
+    /// The ratio of both distances. Of two distances of 0 it is undefined and counts as 1: neither is nearer.
     pub fn ratio(&self) -> Option<f32> {
         let ((_, first), (_, second)) = (self.first?, self.second?);
         Some(if second > 0.0 { first / second } else { 1.0 })

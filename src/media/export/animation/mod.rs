@@ -14,7 +14,7 @@ use motionscope_core::Error;
 
 use crate::media::Progress;
 
-/// The time for which the last picture stays before an animation begins anew, in milliseconds.
+/// The time for which the last picture stays before an animation begins anew, in seconds.
 const LAST_S: f64 = 2.0;
 /// The share of a picture's time in which it turns into the next, if it does.
 const TURN: f64 = 0.5;
@@ -145,7 +145,7 @@ impl Shot {
     fn ticks(&self, per_second: f64) -> u32 {
         // The end of one picture and the start of the next are computed apart: halves are rounded to the same side.
         let end = |time: f64| (time * per_second + 1e-6).round() as u32;
-        end(self.until_s) - end(self.from_s)
+        end(self.until_s).saturating_sub(end(self.from_s))
     }
 }
 

@@ -229,7 +229,7 @@ impl FeatureMatching {
             Math::over(index("1"), index("2")),
             Math::text(" = "),
             Math::over(Math::ink(Role::Best, apart(first)), Math::ink(Role::Rejected, apart(second))),
-            Math::text(format!(" = {}", words::fine(ratio))),
+            Math::text(if second > 0.0 { format!(" = {}", words::fine(ratio)) } else { " is undefined".into() }),
         ])]
     }
 

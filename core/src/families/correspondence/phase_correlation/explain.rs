@@ -41,7 +41,7 @@ fn doubted(doubt: &Doubt) -> String {
     match *doubt {
         Doubt::Contradicted { other, residuals: [own, least] } => format!(
             "The pictures contradict the highest peak: displaced by it they differ by {} gray levels on average, displaced by {} by {}. \
-             A part at rest, such as a border or a caption, correlates with itself.",
+             A part of the picture that moves otherwise, such as a border at rest, correlates with itself.",
             fixed(own, 2),
             whole(other),
             fixed(least, 2)
@@ -66,8 +66,8 @@ fn doubted(doubt: &Doubt) -> String {
 /// The means against it.
 fn remedy(doubt: &Doubt) -> &'static str {
     match doubt {
-        Doubt::Contradicted { .. } => " Crop the part at rest, or use global motion, which tells it apart as outliers.",
-        Doubt::Aperture { .. } | Doubt::Repeats { .. } => {
+        Doubt::Contradicted { .. } => " Crop that part, or use global motion, which tells it apart as outliers.",
+        Doubt::Repeats { .. } | Doubt::Aperture { .. } => {
             " No method finds more in this texture alone; a larger picture with corners or an end of the pattern would tell."
         }
     }
@@ -250,7 +250,7 @@ impl PhaseCorrelation {
                 fixed(self.min_snr.into(), 1)
             ));
         }
-        if let Some(doubt) = &state.doubt {
+        if let Some(doubt) = state.doubt.as_ref().filter(|doubt| doubt.is_refuting()) {
             return said.text("The translation remains unknown. ").text(doubted(doubt)).text(remedy(doubt));
         }
         if !state.is_accepted() {
@@ -269,6 +269,9 @@ impl PhaseCorrelation {
             Some(error) => said.text(format!(" Mean endpoint error over all pixels: {} px.", fixed(error.epe_px, 3))),
             None => said,
         };
+        if let Some(doubt) = &state.doubt {
+            return said.text(format!(" {}", doubted(doubt)));
+        }
         let advice = match Self::ratio(state) {
             Some(ratio) if ratio < DISTINCT && height > AGREEMENT => {
                 " The peak is high but broad, because few frequencies are kept: the pictures have little fine texture."
