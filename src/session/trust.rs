@@ -89,8 +89,10 @@ fn is_inside(path: &Path, folder: &Path) -> bool {
     if !lexical(path).starts_with(lexical(folder)) {
         return false;
     }
-    match (fs::canonicalize(path), fs::canonicalize(folder)) {
-        (Ok(path), Ok(folder)) => path.starts_with(folder),
+    // A pattern of numbered pictures is no file itself, but its folder may be a link.
+    let nearest = path.ancestors().find_map(|part| fs::canonicalize(part).ok());
+    match (nearest, fs::canonicalize(folder)) {
+        (Some(nearest), Ok(folder)) => nearest.starts_with(folder),
         // What is not there cannot be opened.
         _ => true,
     }

@@ -47,7 +47,9 @@ pub(super) fn is_region(text: &str) -> bool {
 }
 
 fn boxes(text: &str) -> Result<BTreeMap<usize, Vec<ObjectBox>>, String> {
-    let header = text.lines().take_while(|line| table::is_header(line)).count().min(1);
+    // Blank lines before a header belong to it; without one they are frames in which the object is absent.
+    let first = text.lines().position(|line| !line.trim().is_empty());
+    let header = first.filter(|at| text.lines().nth(*at).is_some_and(table::is_header)).map_or(0, |at| at + 1);
     let lines = text.trim_end().lines().skip(header).enumerate();
     let frames = lines.map(|(t, line)| {
         let found = object(line).map_err(|why| format!("line {}: {why}", t + header + 1))?;

@@ -259,9 +259,9 @@ pub(super) const EXAMPLES: &[Example] = &[
         of: &["klt"],
         cause: Some(Cause::Noise),
         clip: "translation,noise=20,frames=8",
-        settings: &[("max-dissimilarity", "12")],
+        settings: &[],
         frame: 0,
-        says: "The affine fit of the first view leaves a dissimilarity above its limit, although the feature is the same: noise \
+        says: "The affine fit of the first view leaves a dissimilarity above 12 gray levels, although the feature is the same: noise \
                alone makes it. A larger window without that check keeps the features.",
         claim: ("tracked", Limit::AtMost(20.0)),
         instead: Some(Alternative {

@@ -51,7 +51,7 @@ params! {
         /// disables the check.
         max_fb_error: f32 = 1.0, 0.0..=100.0, "px";
         /// Largest accepted dissimilarity from the first view after an affine fit (Shi–Tomasi), a mean absolute difference in gray levels. 0 disables the check.
-        max_dissimilarity: f32 = 20.0, 0.0..=255.0;
+        max_dissimilarity: f32 = 12.0, 0.0..=255.0;
         /// Fit gain and offset of the gray values as well, so that changes in illumination do not count as dissimilarity.
         illumination: bool = true;
     }
@@ -108,16 +108,6 @@ struct Live {
 }
 
 impl Live {
-    /// Returns the mean absolute difference in gray levels from the first view at position `at`, as it was deformed last; 0 where nothing
-    /// of it is visible.
-    fn dissimilarity(&self, next: &Level, at: [f32; 2]) -> f32 {
-        let fit = Fit { matrix: self.matrix, shift: [0.0; 2], light: self.light, difference: 0.0, share: 1.0 };
-        let warped = self.view.warped(next, at, &fit);
-        let seen = warped.iter().zip(self.view.values()).filter(|(now, _)| now.is_finite());
-        let (sum, count) = seen.fold((0.0, 0), |(sum, count), (now, then)| (sum + (now - then).abs(), count + 1));
-        sum / (count as f32).max(1.0)
-    }
-
     /// Returns the feature with an updated affine fit.
     fn seen_as(self, fit: &Fit) -> Self {
         Self { matrix: fit.matrix, light: fit.light, ..self }
@@ -255,11 +245,7 @@ impl Klt {
         match live.view.fit(&pair.pyramids[1][0], to, start, &mut Mapped { observer, map: Event::Fit }) {
             // Near the border too little of the view is visible.
             Err(FitFailure::Undetermined) => Ok(next),
-            // Limbs and faces bend otherwise than an affine map: without a fit, the view as it was deformed last is compared.
-            Err(FitFailure::Diverged) => match live.dissimilarity(&pair.pyramids[1][0], to) > self.max_dissimilarity {
-                true => Err(Status::Changed),
-                false => Ok(next),
-            },
+            Err(FitFailure::Diverged) => Err(Status::Changed),
             Ok(fit) if fit.difference > self.max_dissimilarity => Err(Status::Changed),
             Ok(fit) => Ok(next.seen_as(&fit)),
         }
