@@ -191,7 +191,10 @@ fn row(line: usize, text: &str) -> Result<Row, String> {
         return Err(format!("{far} px is more than {FARTHEST_PX} px, the most that a box may have"));
     }
     // Nine columns end in the visibility; the older ten end in a place in the world.
-    let visibility = if let &[_, _, visibility] = rest { visibility.max(0.0).min(1.0) as f32 } else { 1.0 };
+    let visibility = match rest {
+        &[_, _, visibility] if !visibility.is_nan() => visibility.clamp(0.0, 1.0) as f32,
+        _ => 1.0,
+    };
     let confidence = rest.first().map_or(1.0, |&confidence| confidence as f32);
     if !confidence.is_finite() {
         return Err(format!("confidence {} is too large", rest[0]));
