@@ -333,7 +333,7 @@ mod tests {
 
     #[test]
     fn names_that_begin_with_the_query_come_first() {
-        assert_eq!(names("chan")[0], "Estimator: Chan–Vese");
+        assert_eq!(names("chan")[0], "Estimator: Active contour without edges");
         for query in ["count", "counting line"] {
             let found = names(query);
             assert_eq!(found[0], "Parameter: Counting lines", "{query}: {:?}", &found[..3]);
