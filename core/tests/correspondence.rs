@@ -330,6 +330,34 @@ fn the_number_of_iterations_follows_from_the_share_of_inliers_beside_it() {
 }
 
 #[test]
+fn the_chart_shows_the_inliers_of_every_hypothesis_once_they_are_counted() {
+    let mut walk = set("global-motion", &[]).walk(&scene("hand-held"), 0).expect("a run");
+    let innermost = walk.info().granularities.len() - 1;
+    let (mut most, mut worse) = (0.0_f32, 0);
+    while !walk.at_end() {
+        walk.jump(Move::Granularity(innermost, Direction::Forward));
+        let step = walk.step(None);
+        let series = step.readouts.iter().find_map(|readout| match readout {
+            Readout::Series(series) => Some(series),
+            _ => None,
+        });
+        // Before the first count there is nothing to be shown, and no 0 either.
+        let Some(series) = series else { continue };
+        let [own, best] = [0, 1].map(|line| &series.lines[line].2);
+        assert_eq!(own.len(), best.len());
+        assert!(own.iter().any(|[_, inliers]| inliers.is_finite()), "an empty chart");
+        for ([_, own], [_, best]) in
+            own.iter().zip(best).filter(|([_, own], [_, best])| own.is_finite() && best.is_finite())
+        {
+            assert!(*best > 0.0 && *own > 0.0);
+            worse += usize::from(own < best);
+            most = most.max(*best);
+        }
+    }
+    assert!(most > 180.0 && worse > 0, "{most} inliers, {worse} worse hypotheses");
+}
+
+#[test]
 fn the_linear_system_of_a_hypothesis_and_of_the_final_fit_is_shown() {
     let shown = |id: &str, settings: &[(&str, &str)], needle: &str| {
         let mut walk = set(id, settings).walk(&scene("translation"), 0).expect("a walk");

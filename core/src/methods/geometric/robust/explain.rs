@@ -2,7 +2,9 @@
 
 use super::declare::line;
 use super::doubt::{Doubt, LEAST_SPREAD_PX, distinct};
-use super::{Best, Estimate, Event, Fixed, Place, Robust, RobustModel, Sequel, Settings, State};
+use super::{
+    Best, Consensus, Estimate, Event, Fixed, InlierCounts, Place, Robust, RobustModel, Sequel, Settings, State,
+};
 use crate::base::words::{self, grouped};
 use crate::data::Clip;
 use crate::geometry::Grid;
@@ -361,28 +363,29 @@ impl<M: RobustModel> Robust<M> {
         all
     }
 
-    /// Inliers of the best hypothesis over the iterations.
+    /// Inliers of each iteration's hypothesis, and of the best so far. There are none before the first are counted.
     fn series(&self, seen: &Seen<Self>, best: Option<(Matrix3, Score)>) -> Option<Series> {
-        let mut points: Vec<[f32; 2]> = seen
-            .before
-            .consensus
-            .history
-            .iter()
-            .enumerate()
-            .map(|(i, inliers)| [(i + 1) as f32, *inliers as f32])
-            .collect();
+        let Consensus { history, needed, .. } = &seen.before.consensus;
+        let mut counts = history.clone();
         if !seen.events.last().is_some_and(is_last) {
-            points.push([
-                (seen.before.consensus.iterations + 1) as f32,
-                best.map_or(0.0, |(_, score)| score.inliers as f32),
-            ]);
+            let counted = |event: &Event| if let Event::Scored(score) = event { Some(score.inliers) } else { None };
+            let own = seen.events.iter().filter_map(counted).max();
+            counts.push(InlierCounts { own, best: best.map(|(_, score)| score.inliers) });
         }
-        (!points.is_empty()).then(|| Series {
-            title: "Inliers of the best hypothesis",
+        let line = |of: fn(&InlierCounts) -> Option<usize>| -> Vec<[f32; 2]> {
+            let value = |(i, counts)| [(i + 1) as f32, of(counts).map_or(f32::NAN, |inliers| inliers as f32)];
+            counts.iter().enumerate().map(value).collect()
+        };
+        let is_known = counts.iter().any(|counts| counts.own.is_some());
+        is_known.then(|| Series {
+            title: "Inliers of the hypotheses",
             x_label: "iteration",
             y_label: "inliers",
-            x_max: points.len().max(seen.before.consensus.needed.min(4 * points.len())),
-            lines: vec![("inliers", Role::Best, points)],
+            x_max: counts.len().max((*needed).min(4 * counts.len())),
+            lines: vec![
+                ("of this hypothesis", Role::Candidate, line(|counts| counts.own)),
+                ("of the best so far", Role::Best, line(|counts| counts.best)),
+            ],
             ..Series::default()
         })
     }

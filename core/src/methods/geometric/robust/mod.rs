@@ -188,10 +188,19 @@ pub struct Consensus {
     pub needed: usize,
     /// The best hypothesis so far.
     pub best: Option<Best>,
-    /// Number of inliers of the best hypothesis after each iteration.
-    pub history: Vec<u32>,
+    /// The inliers counted in each iteration.
+    pub history: Vec<InlierCounts>,
     /// The model after the final fit.
     pub fitted: Option<Best>,
+}
+
+/// The inliers counted in an iteration.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct InlierCounts {
+    /// The most of its hypotheses; none where the sample determines no model.
+    pub own: Option<usize>,
+    /// Those of the best hypothesis so far, if there is one.
+    pub best: Option<usize>,
 }
 
 /// The constant part of a run.
@@ -344,15 +353,17 @@ impl<M: RobustModel> Robust<M> {
         if hypotheses.is_empty() {
             observer.see(|| Event::Degenerate);
         }
+        let mut own = None;
         for matrix in hypotheses {
             observer.see(|| Event::Hypothesis(matrix));
             let score = self.score(points, &matrix);
             observer.see(|| Event::Scored(score));
+            own = own.max(Some(score.inliers));
             if consensus.best.is_none_or(|best| score.is_better(&best.score)) {
                 self.keep(points, consensus, Best { matrix, score }, observer);
             }
         }
-        consensus.history.push(consensus.best.map_or(0, |best| best.score.inliers as u32));
+        consensus.history.push(InlierCounts { own, best: consensus.best.map(|best| best.score.inliers) });
     }
 
     fn keep(
