@@ -1,4 +1,5 @@
-//! Sessions and lessons from elsewhere: files that they name outside of their folder are opened only once the user agrees.
+//! Sessions and lessons from elsewhere: files that they name outside of their folder, and those for which ffmpeg is started, are opened
+//! only once the user agrees.
 //!
 //! A session or lesson is trusted if this program wrote it or the user agreed to it: for this run by its path, and for later ones by its
 //! path and its content.
@@ -12,7 +13,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use motionscope_core::Error;
 
 use super::{Session, folder_of};
-use crate::media::export::hash;
+use crate::media::{self, export::hash};
 
 static STATE: Mutex<State> =
     Mutex::new(State { all: false, files: BTreeSet::new(), refused: BTreeSet::new(), list: None });
@@ -79,14 +80,17 @@ fn is_trusted(file: &Path, text: &[u8]) -> bool {
 /// The files outside of the folder of `file` that `session`, which was read from it, names.
 pub fn outside(session: &Session, file: &Path) -> Vec<PathBuf> {
     let folder = folder_of(file);
+    named(session).filter(|path| !is_inside(path, folder)).map(Path::to_path_buf).collect()
+}
+
+/// The files that `session` names.
+fn named(session: &Session) -> impl Iterator<Item = &Path> {
     let experiment = &session.experiment;
-    let all = experiment.source.paths().into_iter().chain(experiment.given.paths());
-    all.filter(|path| !is_inside(path, folder)).map(Path::to_path_buf).collect()
+    experiment.source.paths().into_iter().chain(experiment.given.paths())
 }
 
 fn is_inside(path: &Path, folder: &Path) -> bool {
-    // By the names first: a place on another computer is not even looked at.
-    if !lexical(path).starts_with(lexical(folder)) {
+    if !is_named_inside(path, folder) {
         return false;
     }
     // A pattern of numbered pictures is no file itself, but its folder may be a link.
@@ -96,6 +100,11 @@ fn is_inside(path: &Path, folder: &Path) -> bool {
         // What is not there cannot be opened.
         _ => true,
     }
+}
+
+/// Whether `path` lies in `folder` by its name. Another one may be on another computer, and is not even looked at before that is agreed to.
+pub(super) fn is_named_inside(path: &Path, folder: &Path) -> bool {
+    lexical(path).starts_with(lexical(folder))
 }
 
 /// The absolute path without `.` and `..`.
@@ -111,27 +120,39 @@ fn lexical(path: &Path) -> PathBuf {
     })
 }
 
-/// Refuses the session or lesson in `file` with this `text` if its `sessions` name files outside of its folder and it is not trusted.
+/// Refuses the session or lesson in `file` with this `text` if it is not trusted and its `sessions` name files outside of its folder, or
+/// videos that ffmpeg decodes.
 ///
 /// # Errors
 /// One sentence with the first of these files.
 pub(super) fn check<'a>(file: &Path, text: &str, sessions: impl IntoIterator<Item = &'a Session>) -> Result<(), Error> {
-    let all: BTreeSet<PathBuf> = sessions.into_iter().flat_map(|session| outside(session, file)).collect();
-    let first = all.first().filter(|_| !is_trusted(file, text.as_bytes()));
+    let refused = if is_trusted(file, text.as_bytes()) { None } else { refusal(file, sessions) };
     if let Ok(file) = fs::canonicalize(file) {
         let mut state = state();
-        _ = if first.is_some() { state.refused.insert(file) } else { state.refused.remove(&file) };
+        _ = if refused.is_some() { state.refused.insert(file) } else { state.refused.remove(&file) };
     }
-    let Some(first) = first else { return Ok(()) };
-    let first = Error::short_name(&first.display().to_string());
-    let others = match all.len() - 1 {
-        0 => String::new(),
-        1 => " and 1 other file".into(),
-        count => format!(" and {count} other files"),
-    };
-    Err(Error::new(format!(
-        "it opens {first}{others} outside of its own folder; if you trust it, agree to that (on the command line with --trust)"
-    )))
+    refused.map_or(Ok(()), |what| {
+        let how = "if you trust it, agree to that (on the command line with --trust)";
+        Err(Error::new(format!("it {what}; {how}")))
+    })
+}
+
+/// What the session or lesson in `file` does, by its `sessions`, that is asked about.
+fn refusal<'a>(file: &Path, sessions: impl IntoIterator<Item = &'a Session>) -> Option<String> {
+    let sessions: Vec<&Session> = sessions.into_iter().collect();
+    let name = |path: &Path| Error::short_name(&path.display().to_string());
+    let all: BTreeSet<PathBuf> = sessions.iter().flat_map(|session| outside(session, file)).collect();
+    if let Some(first) = all.first() {
+        let others = match all.len() - 1 {
+            0 => String::new(),
+            1 => " and 1 other file".into(),
+            count => format!(" and {count} other files"),
+        };
+        return Some(format!("opens {}{others} outside of its own folder", name(first)));
+    }
+    // A file elsewhere is not touched before that is agreed to.
+    let video = sessions.iter().flat_map(|session| named(session)).find(|path| media::needs_ffmpeg(path))?;
+    Some(format!("has {} decoded by the ffmpeg of this computer", name(video)))
 }
 
 /// Whether the session or lesson in `file` was refused since it is not trusted.
@@ -182,6 +203,12 @@ mod tests {
             std::os::unix::fs::symlink(&whole, folder.join("link.y4m")).unwrap();
             assert!(Session::load(&session(&folder, "clip = \"link.y4m\"")).is_err());
         }
+        // A video that only ffmpeg may know is asked about as well, a picture is not.
+        fs::write(folder.join("odd.video"), [0, 1, 2, 3]).unwrap();
+        let error = Session::load(&session(&folder, "clip = \"odd.video\"")).err().expect("asked about").to_string();
+        assert!(error.contains("ffmpeg") && error.contains("--trust"), "{error}");
+        image::RgbImage::new(4, 4).save(folder.join("a.png")).unwrap();
+        assert!(Session::load(&session(&folder, "clip = \"a.png\"")).is_ok());
         let file = session(&folder, "clip = \"../other/out.y4m\"");
         assert!(is_asked(&file));
         trust(&file);
