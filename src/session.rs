@@ -10,6 +10,7 @@
 //! disparity-scale = 4              # gray levels per px of an 8-bit true disparity
 //! depths = "depth"                 # folder of measured depths, 16-bit PNG
 //! depth-scale = 5000               # their units per m
+//! contrast = "0..4095"             # the 16-bit samples that are black and white
 //! estimator = "full-search"
 //! pace = "block"                   # of the lockstep: block, budget, frame, iteration, level, stage or result
 //! frame = 12

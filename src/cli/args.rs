@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::{Args as Group, Parser, Subcommand};
-use motionscope_core::{Cursor, Pace, Threads};
+use motionscope_core::{Cursor, Error, Pace, Threads};
 
 use super::examples;
 use super::look::LookFlags;
@@ -12,7 +12,7 @@ use super::paper::{HandoutArgs, WorksheetArgs};
 use crate::experiment::pixel::Pixel;
 use crate::media::camera::Size;
 use crate::media::export::Timing;
-use crate::media::{Given, GivenCalibration, RightView, depth_scale, disparity_scale};
+use crate::media::{Contrast, Given, GivenCalibration, RightView, depth_scale, disparity_scale};
 use crate::results::Asked;
 use crate::session;
 use crate::view::panes::Named;
@@ -92,7 +92,7 @@ pub enum Command {
         #[arg(long, value_name = "FILE")]
         truth: Option<PathBuf>,
         #[command(flatten)]
-        stereo: StereoArgs,
+        given: GivenArgs,
     },
     /// Render a synthetic clip: frames as PNG, true flow as .flo, occlusion masks and gt.txt.
     #[command(after_help = examples::SYNTH)]
@@ -179,7 +179,7 @@ pub struct CompareArgs {
     #[arg(long, help_heading = "Clip", value_name = "FILE")]
     pub truth: Option<PathBuf>,
     #[command(flatten)]
-    pub stereo: StereoArgs,
+    pub given: GivenArgs,
     /// Runs of each estimator; the shortest time counts. By default 3, fewer if they take more than a second.
     #[arg(long, help_heading = "Execution", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub repeat: Option<u32>,
@@ -206,9 +206,9 @@ pub struct CompareArgs {
     pub markdown: bool,
 }
 
-/// The second view of a clip.
+/// What is known of a clip besides its frames and their truth.
 #[derive(Clone, Debug, Default, Group)]
-pub struct StereoArgs {
+pub struct GivenArgs {
     /// Right view: a picture, a folder or a video, or side-by-side if each frame shows both views; by default it is searched for beside
     /// the clip.
     #[arg(long, help_heading = "Clip", value_name = "FILE|DIR")]
@@ -226,9 +226,12 @@ pub struct StereoArgs {
     /// Units of these depths per m; by default 5000.
     #[arg(long, help_heading = "Clip", value_name = "N", value_parser = units)]
     pub depth_scale: Option<f32>,
+    /// Samples of 16-bit pictures that are black and white; by default the range of the whole clip.
+    #[arg(long, help_heading = "Clip", value_name = "LOW..HIGH", value_parser = contrast)]
+    pub contrast: Option<Contrast>,
 }
 
-impl StereoArgs {
+impl GivenArgs {
     /// What is given besides.
     pub fn with(&self, given: Given) -> Given {
         Given {
@@ -237,6 +240,7 @@ impl StereoArgs {
             disparity_scale: self.disparity_scale,
             depths: self.depths.clone(),
             depth_scale: self.depth_scale,
+            contrast: self.contrast,
             ..given
         }
     }
@@ -276,7 +280,7 @@ pub struct TaskArgs {
     #[arg(long, help_heading = "Clip", value_name = "FILE.txt")]
     pub detections: Option<PathBuf>,
     #[command(flatten)]
-    pub stereo: StereoArgs,
+    pub given: GivenArgs,
     /// First and last frame of a run through the clip, from 0; replaces --frame and --set frames.
     #[arg(long, help_heading = "Estimation", value_name = "A..B", value_parser = frames, conflicts_with = "frame")]
     pub frames: Option<(usize, usize)>,
@@ -420,6 +424,10 @@ fn scale(text: &str) -> Result<f32, String> {
 
 fn units(text: &str) -> Result<f32, String> {
     depth_scale(text.parse().ok(), text).map_err(|error| error.to_string())
+}
+
+fn contrast(text: &str) -> Result<Contrast, String> {
+    text.parse().map_err(|error: Error| error.to_string())
 }
 
 fn cursor(text: &str) -> Result<Cursor, String> {

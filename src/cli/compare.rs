@@ -27,7 +27,7 @@ const PLOT_SCALE: u32 = 2;
 /// # Errors
 /// One sentence if anything named does not exist, cannot run or cannot be written.
 pub fn compare(args: &CompareArgs) -> Result<(), Error> {
-    let given = args.stereo.with(Given { truth: args.truth.clone(), ..Given::default() });
+    let given = args.given.with(Given { truth: args.truth.clone(), ..Given::default() });
     let Named { source, given, session } = Named::find(&task::clip_name(args.clip.clone(), args.next.clone())?, given)?;
     let chosen = args.frame.or(session.map(|session| session.experiment.frame));
     if args.course {

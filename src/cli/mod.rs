@@ -79,9 +79,9 @@ fn run(args: Args) -> Result<(), Error> {
         Some(Command::Glossary { term, json }) => said(json)(&glossary(&query(&term)?, json)?),
         Some(Command::Search { words, json }) => said(json)(&search::found(&query(&words)?, json)?),
         Some(Command::Lessons { lesson, json }) => said(json)(&lessons::listed(lesson.as_deref(), json)?),
-        Some(Command::Info { clip, next, json, count, truth, stereo }) => {
+        Some(Command::Info { clip, next, json, count, truth, given: args }) => {
             let clip = task::clip_name(clip, next)?;
-            let Named { source, given, .. } = Named::find(&clip, stereo.with(Given { truth, ..Given::default() }))?;
+            let Named { source, given, .. } = Named::find(&clip, args.with(Given { truth, ..Given::default() }))?;
             let clip = source.open(&Open { count, given, ..Open::default() })?;
             let info = Info::of(&clip).with_repeats(&clip, count);
             if json { say_json(&report::to_json(&info)?) } else { say(&info.to_string()) }

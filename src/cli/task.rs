@@ -63,7 +63,7 @@ pub fn session(args: &TaskArgs, picture: &PictureArgs) -> Result<Session, Error>
 /// Returns the clip or the session that `args` name.
 fn named(args: &TaskArgs) -> Result<Named, Error> {
     let given = Given { truth: args.truth.clone(), detections: args.detections.clone(), ..Given::default() };
-    let given = args.stereo.with(given);
+    let given = args.given.with(given);
     match (&args.clip, &args.detections) {
         (Some(clip), _) => Named::find(&clip_name(clip.clone(), args.next.clone())?, given),
         // Detections by themselves are a clip of empty pictures.

@@ -33,7 +33,7 @@ fn most_bytes() -> usize {
 impl Lazy {
     /// The clip in `source`, whose cached frames take up to `cache_bytes`.
     pub(crate) fn new(source: Source, cache_bytes: usize) -> Self {
-        let Source { info, decoder, files } = source;
+        let Source { info, decoder, files, .. } = source;
         Self {
             name: Error::short_name(&info.name),
             size: (info.width, info.height),

@@ -38,6 +38,7 @@ use detect_format::Kind;
 use export::{InputKind, Inputs};
 pub use info::Info;
 use input::{Input, Node};
+pub use picture::Contrast;
 use sequence::Sequence;
 pub use stereo::{GivenCalibration, RightView};
 use stereo::{Half, LeftView};
@@ -68,6 +69,8 @@ pub struct Given {
     pub depths: Option<PathBuf>,
     /// Units of a measured depth per m.
     pub depth_scale: Option<f32>,
+    /// The range of 16-bit samples that is shown; by default that of the whole clip.
+    pub contrast: Option<Contrast>,
 }
 
 impl Given {
@@ -82,6 +85,7 @@ impl Given {
             disparity_scale: later.disparity_scale.or(self.disparity_scale),
             depths: later.depths.or(self.depths),
             depth_scale: later.depth_scale.or(self.depth_scale),
+            contrast: later.contrast.or(self.contrast),
         }
     }
 
@@ -96,7 +100,7 @@ impl Given {
     /// The same with `f` applied to the path of each file.
     #[must_use]
     pub fn map_path(self, f: impl Fn(&Path) -> PathBuf) -> Self {
-        let Self { truth, detections, right, calibration, disparity_scale, depths, depth_scale } = self;
+        let Self { truth, detections, right, calibration, disparity_scale, depths, depth_scale, contrast } = self;
         Self {
             truth: truth.map(|path| f(&path)),
             detections: detections.map(|path| f(&path)),
@@ -105,6 +109,7 @@ impl Given {
             disparity_scale,
             depths: depths.map(|path| f(&path)),
             depth_scale,
+            contrast,
         }
     }
 }
@@ -193,12 +198,14 @@ pub(crate) struct Source {
     pub decoder: Box<dyn Decoder>,
     /// The file of each frame, where each has one of its own.
     pub files: Arc<[PathBuf]>,
+    /// The range of samples that is shown, of pictures with 16 bits.
+    pub contrast: Option<Contrast>,
 }
 
 impl Source {
     /// A source whose frames all lie in one file.
     fn new(info: ClipInfo, decoder: impl Decoder + 'static) -> Self {
-        Self { info, decoder: Box::new(decoder), files: Arc::default() }
+        Self { info, decoder: Box::new(decoder), files: Arc::default(), contrast: None }
     }
 }
 
@@ -337,7 +344,9 @@ fn with_given(path: &Path, options: &Open, source: Source) -> Result<Clip, Error
     let files = Arc::clone(&source.files);
     let left = LeftView { path, files: &files };
     let views = if stereo::has_right_view(&left, options) { 2 } else { 1 };
-    let options = &Open { cache_bytes: options.cache_bytes / views, ..options.clone() };
+    // Both views are shown alike, or the same point would have two brightnesses.
+    let given = Given { contrast: source.contrast.or(options.given.contrast), ..options.given.clone() };
+    let options = &Open { cache_bytes: options.cache_bytes / views, given, ..options.clone() };
     let clip = with_given_truth(path, options, source)?;
     let clip = depths::with_depths(clip, &left, options)?;
     stereo::with_right_view(clip, &left, options)
@@ -499,6 +508,14 @@ pub fn with_given_files(clip: Clip, options: &Open) -> Result<Clip, Error> {
 fn is_still_or_folder(path: &Path) -> bool {
     let is_still = || Input::open(path).and_then(|mut input| detect_format::kind(&mut input));
     path.is_dir() || sequence::is_pattern(path) || matches!(is_still(), Ok(Kind::Still))
+}
+
+/// Whether the video at `path` is given to an installed ffmpeg, because no built-in decoder shows it.
+pub(crate) fn needs_ffmpeg(path: &Path) -> bool {
+    let built_in = Open { ffmpeg: false, cache_bytes: 0, ..Open::default() };
+    path.is_file()
+        && matches!(picture_kind(path), Ok(Kind::Video(_)))
+        && guarded(|| open_source(path, &built_in)).is_err()
 }
 
 fn open_source(path: &Path, options: &Open) -> Result<Source, Error> {

@@ -1,9 +1,11 @@
 //! Decoding of a single image file of any format.
 
 use std::error::Error as _;
+use std::fmt::{self, Display};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
+use std::str::FromStr;
 
 use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use motionscope_core::{Error, Frame, Grid};
@@ -185,7 +187,7 @@ impl<D: ImageDecoder> Picture<D> {
 
 /// The range of 16-bit samples that is shown from black to white.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Contrast {
+pub struct Contrast {
     /// The sample that is black.
     pub low: u16,
     /// The sample that is white.
@@ -195,6 +197,25 @@ pub(crate) struct Contrast {
 impl Default for Contrast {
     fn default() -> Self {
         Self { low: 0, high: u16::MAX }
+    }
+}
+
+impl FromStr for Contrast {
+    type Err = Error;
+
+    /// Parses `LOW..HIGH`, samples from 0 to 65535.
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let why = || Error::new(format!("the contrast is LOW..HIGH with samples from 0 to 65535, not {text}"));
+        let (low, high) = text.split_once("..").ok_or_else(why)?;
+        let [low, high] = [low, high].map(|sample| sample.trim().parse::<u16>().map_err(|_| why()));
+        let contrast = Self { low: low?, high: high? };
+        if contrast.low < contrast.high { Ok(contrast) } else { Err(why()) }
+    }
+}
+
+impl Display for Contrast {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}..{}", self.low, self.high)
     }
 }
 

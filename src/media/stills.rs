@@ -143,8 +143,8 @@ fn stack(path: &Path, pages: &[Page], options: &Open) -> Result<Source, Error> {
     };
     let places: Arc<[Place]> =
         pages.iter().map(|page| Place { file: path.into(), page: Some(page.directory) }).collect();
-    let contrast = if first.is_deep() { contrast(&places, options, &mut info.warnings)? } else { Contrast::default() };
-    Ok(Source::new(info, Stills { places, size: first.size, fit: Fit::Exact, contrast }))
+    let contrast = first.is_deep().then(|| contrast(&places, options, &mut info.warnings)).transpose()?;
+    Ok(Source { contrast, ..Source::new(info, Stills { places, size: first.size, fit: Fit::Exact, contrast }) })
 }
 
 /// Most pictures that are decoded to find the range of their samples.
@@ -152,6 +152,11 @@ const MOST_RANGED: usize = 64;
 
 /// The range in which all 16-bit pictures are shown, so that brightness stays constant over time; with a warning that says so.
 fn contrast(places: &[Place], options: &Open, warnings: &mut Vec<String>) -> Result<Contrast, Error> {
+    if let Some(given) = options.given.contrast {
+        let Contrast { low, high } = given;
+        warnings.push(format!("16 bits per channel are reduced to 8: {low} is black and {high} white, as given"));
+        return Ok(given);
+    }
     let count = places.len().min(MOST_RANGED);
     let mut range: Option<Contrast> = None;
     for k in 0..count {
@@ -170,7 +175,7 @@ fn contrast(places: &[Place], options: &Open, warnings: &mut Vec<String>) -> Res
     } else {
         format!(
             "16 bits per channel are reduced to 8: {low} is black and {high} white in every frame, the range of the whole \
-             clip{seen}"
+             clip{seen}; --contrast {low}..{high} sets another"
         )
     });
     Ok(Contrast { low, high })
@@ -209,8 +214,9 @@ fn clip(path: &Path, name: String, sequence: Sequence, (fit, options): (Fit, &Op
     };
     let is_deep = picture.is_deep();
     let places: Arc<[Place]> = files.iter().map(|file| Place { file: file.clone(), page: None }).collect();
-    let contrast = if is_deep { contrast(&places, options, &mut info.warnings)? } else { Contrast::default() };
-    Ok(Source { info, decoder: Box::new(Stills { places, size, fit, contrast }), files: Arc::from(files) })
+    let contrast = is_deep.then(|| contrast(&places, options, &mut info.warnings)).transpose()?;
+    let source = Source::new(info, Stills { places, size, fit, contrast });
+    Ok(Source { contrast, files: Arc::from(files), ..source })
 }
 
 /// The container name of image sequences.
@@ -257,7 +263,8 @@ struct Stills {
     places: Arc<[Place]>,
     size: (usize, usize),
     fit: Fit,
-    contrast: Contrast,
+    /// The range of samples that is shown, of pictures with 16 bits.
+    contrast: Option<Contrast>,
 }
 
 impl Decoder for Stills {
@@ -272,14 +279,15 @@ impl Decoder for Stills {
 impl Stills {
     fn read(&self, place: &Place) -> Result<Frame, Error> {
         let picture = picture::open_page(&place.file, place.page)?;
+        let contrast = self.contrast.unwrap_or_default();
         let ((w, h), (width, height)) = (picture.size, self.size);
         if (w, h) == (width, height) {
-            return picture.frame(self.contrast);
+            return picture.frame(contrast);
         }
         if self.fit == Fit::Exact {
             return Err(Error::new(format!("it is {w}×{h} px, but the first picture is {width}×{height} px")));
         }
-        self.fit.apply(&picture.frame(self.contrast)?, self.size)
+        self.fit.apply(&picture.frame(contrast)?, self.size)
     }
 }
 
@@ -401,6 +409,29 @@ mod tests {
         assert_eq!(grays(&[[0, 1, 100, 255]]), [[0, 1, 100, 255]]);
         assert_eq!(grays(&[[30_000, 30_051, 30_102, 30_255]]), [[0, 51, 102, 255]]);
         assert!(deep_clip(&[[0, 5, 900, 1023]]).info().warnings[0].contains("1023 white"));
+    }
+
+    #[test]
+    fn a_given_contrast_counts_and_both_views_have_one() {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, row) in [("left", [0, 100, 500, 1000]), ("right", [0, 100, 500, 600])] {
+            let image = image::ImageBuffer::<image::Luma<u16>, _>::from_vec(4, 1, row.to_vec()).unwrap();
+            fs::write(folder.path().join(format!("{name}.png")), encode(&image.into(), ImageFormat::Png)).unwrap();
+        }
+        let open = |contrast: Option<&str>| {
+            let right = Some(media::RightView::File(folder.path().join("right.png")));
+            let contrast = contrast.map(|range| range.parse().unwrap());
+            let given = media::Given { right, contrast, ..media::Given::default() };
+            media::open(&folder.path().join("left.png"), &given.into()).unwrap()
+        };
+        let grays = |clip: &Clip| {
+            let right = clip.right().expect("a right view");
+            [clip, right].map(|view| view.frame(0).unwrap().luma().cells().to_vec())
+        };
+        let [left, right] = grays(&open(None));
+        assert_eq!(left[..3], right[..3], "the same samples");
+        assert_eq!(grays(&open(Some("100..500"))), [[0, 0, 255, 255]; 2]);
+        assert!(["500..100", "1..1", "5", "0..70000"].iter().all(|range| range.parse::<Contrast>().is_err()));
     }
 
     /// A little-endian TIFF of `pages` of gray samples in `bytes` bytes each; `kinds` are the kinds of sub-file of the pages.

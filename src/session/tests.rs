@@ -318,14 +318,15 @@ fn what_is_given_by_hand_is_named_from_where_the_session_is() {
     let right = Some(RightView::File(folder.path().join("right.mp4")));
     let calibration = Some(GivenCalibration::File(folder.path().join("calib.txt")));
     let depths = beside("depth");
+    let contrast = "0..4095".parse().ok();
     saved.experiment.given =
-        Given { right, calibration, disparity_scale: Some(4.0), depths, depth_scale: Some(1000.0), ..given };
+        Given { right, calibration, disparity_scale: Some(4.0), depths, depth_scale: Some(1000.0), contrast, ..given };
     saved.save(&path).unwrap();
     let text = fs::read_to_string(&path).unwrap();
     assert!(text.contains("truth = \"../gt.txt\"\ndetections = \"det.txt\"\n"), "{text}");
     let of_views = "right = \"../right.mp4\"\ncalibration = \"../calib.txt\"\ndisparity-scale = 4.0\n";
     assert!(text.contains(of_views), "{text}");
-    assert!(text.contains("depths = \"../depth\"\ndepth-scale = 1000.0\n"), "{text}");
+    assert!(text.contains("depths = \"../depth\"\ndepth-scale = 1000.0\ncontrast = \"0..4095\"\n"), "{text}");
     let read = Session::load(&path).unwrap().experiment.given;
     let at = |name: &str| folder.path().join("lessons").join(name);
     let right = Some(RightView::File(at("../right.mp4")));
@@ -333,7 +334,7 @@ fn what_is_given_by_hand_is_named_from_where_the_session_is() {
     let (truth, detections) = (Some(at("../gt.txt")), Some(at("det.txt")));
     let (depths, depth_scale) = (Some(at("../depth")), Some(1000.0));
     let disparity_scale = Some(4.0);
-    assert_eq!(read, Given { truth, detections, right, calibration, disparity_scale, depths, depth_scale });
+    assert_eq!(read, Given { truth, detections, right, calibration, disparity_scale, depths, depth_scale, contrast });
     // What the command line gives counts more, each by itself.
     let named =
         Named::find(path.as_os_str(), Given { detections: Some("mine.txt".into()), ..Given::default() }).unwrap();

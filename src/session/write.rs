@@ -33,6 +33,8 @@ struct Text<'a> {
     depths: Option<String>,
     #[serde(rename = "depth-scale", skip_serializing_if = "Option::is_none")]
     depth_scale: Option<f32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    contrast: Option<String>,
     estimator: String,
     frame: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -82,7 +84,7 @@ impl Serialize for Picture<'_> {
 pub(super) fn text(session: &Session, folder: &Path) -> Result<String, Error> {
     let Session { experiment, position: Position { cursor, held }, look, sight, freehand } = session;
     let Experiment { source, given, estimator, side_by_side, frame } = experiment;
-    let Given { truth, detections, right, calibration, disparity_scale, depths, depth_scale } =
+    let Given { truth, detections, right, calibration, disparity_scale, depths, depth_scale, contrast } =
         given.clone().map_path(|path| relative(path, folder));
     let path = |path: &PathBuf| slashed(path);
     let text = Text {
@@ -105,6 +107,7 @@ pub(super) fn text(session: &Session, folder: &Path) -> Result<String, Error> {
         disparity_scale,
         depths: depths.as_ref().map(path).transpose()?,
         depth_scale,
+        contrast: contrast.map(|contrast| contrast.to_string()),
         estimator: estimator.info().id.into(),
         frame: *frame,
         step: cursor.map(|cursor| cursor.to_string()),

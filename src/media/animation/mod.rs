@@ -81,7 +81,7 @@ pub(crate) fn open(path: &Path, options: &Open) -> Result<Source, Error> {
         codec: codec.into(),
         warnings,
     };
-    Ok(Source { info, decoder, files: Arc::default() })
+    Ok(Source { info, decoder, files: Arc::default(), contrast: None })
 }
 
 /// What decodes the pictures, and whether pixels of the first one are clear.

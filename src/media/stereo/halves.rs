@@ -25,7 +25,7 @@ pub(crate) fn half(source: Source, half: Half) -> Result<Source, Error> {
         )));
     }
     let info = ClipInfo { width: width / 2, ..source.info };
-    Ok(Source { info, decoder: Box::new(Halves { whole: source.decoder, half }), files: source.files })
+    Ok(Source { info, decoder: Box::new(Halves { whole: source.decoder, half }), ..source })
 }
 
 /// Decodes whole frames and cuts them.

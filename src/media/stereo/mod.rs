@@ -131,7 +131,7 @@ fn pictures(path: &Path, left: &LeftView<'_>) -> Option<Vec<PathBuf>> {
 /// The right view at the given `path`.
 fn given(path: &Path, left: &LeftView<'_>, options: &Open) -> Result<Source, Error> {
     // What stands for frames beside each other is no concern of the right view.
-    let options = Open { given: Given::default(), ..options.clone() };
+    let options = Open { given: Given { contrast: options.given.contrast, ..Given::default() }, ..options.clone() };
     match pictures(path, left) {
         Some(files) => stills::of_files(files, &options),
         None => open_source(path, &options),
