@@ -118,12 +118,14 @@ impl Work {
             min: [0, 1].map(|i| bounds.min[i].clamp(-0.5, picture[i] - 0.5)),
             max: [0, 1].map(|i| bounds.max[i].clamp(-0.5, picture[i] - 0.5)),
         };
-        if let Some([min, max]) = scene.work {
-            let bounds = inside(Rect { min, max });
-            return Some(Self { is_named: true, ..Self::around(bounds) });
-        }
         let marks = || scene.marks.iter().filter(|mark| mark.on.is_aligned_with(Picture::CURRENT));
         let whole = Rect { min: [-0.5; 2], max: picture.map(|extent| extent - 0.5) };
+        let spoken = spoken_of(scene).filter(|bounds| whole.meets(bounds));
+        let with_spoken = |bounds: Rect| inside(spoken.into_iter().fold(bounds, union));
+        if let Some([min, max]) = scene.work {
+            let bounds = with_spoken(Rect { min, max });
+            return Some(Self { is_named: true, ..Self::around(bounds) });
+        }
         // What lies beyond the picture cannot be shown: its border is no place of work.
         let seen = |mark: &Mark| bounds_at_work(mark).filter(|bounds| whole.meets(bounds));
         let own: Vec<&Mark> = marks().filter(|mark| !has_twin(mark, scene) && seen(mark).is_some()).collect();
@@ -150,8 +152,8 @@ impl Work {
             _ => false,
         };
         Some(Self {
-            bounds: inside(bounds),
-            needed: inside(needed),
+            bounds: with_spoken(bounds),
+            needed: with_spoken(needed),
             is_picture_wide: scene.is_overview || marks().any(is_map) || is_example,
             is_of_many: own.is_empty() && !scene.is_overview,
             is_object,
@@ -194,6 +196,23 @@ fn times(bounds: Rect, room: [f32; 2]) -> f32 {
     STEPS.into_iter().rev().find(fits).unwrap_or(1.0)
 }
 
+/// The bounds of the single marks that the sentence of the step speaks of, whatever their role; of several of a role none is meant.
+fn spoken_of(scene: &Scene) -> Option<Rect> {
+    let single = |role: &Role| {
+        let mut marks =
+            scene.marks.iter().filter(|mark| mark.role == *role && mark.on.is_aligned_with(Picture::CURRENT));
+        let mark = marks.next().filter(|_| marks.next().is_none())?;
+        let is_one = match &mark.shape {
+            Shape::Rect { .. } | Shape::Ellipse { .. } => true,
+            Shape::Points(points) => points.len() == 1,
+            Shape::Arrows(arrows) => arrows.len() == 1,
+            _ => false,
+        };
+        bounds_of(mark).filter(|_| is_one)
+    };
+    scene.spoken.iter().filter_map(single).reduce(union)
+}
+
 /// Whether `scene` has another frame or ellipse of the same role on the same picture.
 fn has_twin(mark: &Mark, scene: &Scene) -> bool {
     let kind = |shape: &Shape| match shape {
@@ -220,9 +239,11 @@ fn is_state(mark: &Mark) -> bool {
 /// The bounds of a mark, if it belongs to the work of a step: results, truth, trails and layers do not.
 fn bounds_at_work(mark: &Mark) -> Option<Rect> {
     let is_result = matches!(mark.role, Role::Result | Role::Truth | Role::Error);
-    if is_result {
-        return None;
-    }
+    if is_result { None } else { bounds_of(mark) }
+}
+
+/// The bounds of a mark that lies at few places.
+fn bounds_of(mark: &Mark) -> Option<Rect> {
     let bounds = match &mark.shape {
         Shape::Rect { min, max } => Some(Rect::between(*min, *max)),
         Shape::Ellipse { center, radii, angle_rad } => {
@@ -438,6 +459,25 @@ mod tests {
         assert_eq!(one(FocusMode::Off, &scene), None);
         let corner = one(FocusMode::Auto, &search(0, 0)).unwrap().seen(ROOM);
         assert_eq!(corner.min, [-0.5; 2], "nothing beyond the picture is shown");
+    }
+
+    #[test]
+    fn a_single_mark_that_the_sentence_speaks_of_stays_in_sight() {
+        let mut scene = search(100, 80);
+        let outlier = [150.0, 90.0];
+        scene.mark(Picture::NEXT, Role::Error, Shape::Points(vec![outlier]));
+        let is_seen =
+            |scene: &Scene| one(FocusMode::Auto, scene).is_none_or(|close| close.seen(ROOM).contains(outlier));
+        assert!(!is_seen(&scene), "nobody speaks of it");
+        // There are three arrows of the other role: none of them is meant.
+        scene.spoken = vec![Role::Error, Role::Result];
+        let close = one(FocusMode::Auto, &scene).expect("still a part of the picture");
+        assert!(is_seen(&scene) && close.times < 3.0, "{close:?}");
+        scene.mark(Picture::NEXT, Role::Error, Shape::Points(vec![[10.0, 10.0]]));
+        assert!(!is_seen(&scene), "of several none is meant");
+        scene.spoken = vec![Role::Truth];
+        scene.mark(Picture::NEXT, Role::Truth, Shape::Points(vec![[310.0, 10.0]]));
+        assert_eq!(one(FocusMode::Auto, &scene), None, "it is far away: the whole picture");
     }
 
     #[test]

@@ -199,12 +199,14 @@ impl Moment {
         let missing = missing.map(|(picture, error)| {
             Error::new(format!("{} is not shown: {error}", picture.title(Some(walk.at_frame()))))
         });
+        let step = explained_step(standing, &motion, missing.as_ref());
+        let scene = Scene { spoken: step.sentence.roles(), ..scene };
         Ok(Self {
             clip: clip.info().name.as_str().into(),
             frame: walk.at_frame(),
             cursor: walk.cursor(),
             at_end: walk.at_end(),
-            step: Arc::new(explained_step(standing, &motion, missing.as_ref())),
+            step: Arc::new(step),
             before: match standing.before {
                 Before::NotShown => None,
                 Before::Unknown => walk.step_before(focus).map(Arc::new),

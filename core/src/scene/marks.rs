@@ -223,6 +223,8 @@ pub struct Scene {
     pub is_overview: bool,
     /// The outer edges, min and max, of the pixels of frame t that the step is about, if its marks do not tell.
     pub work: Option<[[f32; 2]; 2]>,
+    /// The roles that the sentence of the step speaks of: a mark that is the only one of its role stays in sight.
+    pub spoken: Vec<Role>,
 }
 
 impl Scene {
@@ -238,6 +240,7 @@ impl Scene {
             && self.links == other.links
             && self.is_overview == other.is_overview
             && self.work == other.work
+            && self.spoken == other.spoken
             && self.marks.len() == other.marks.len()
             && self.marks.iter().zip(&other.marks).all(same)
     }

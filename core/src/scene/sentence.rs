@@ -21,6 +21,17 @@ impl Sentence {
         self
     }
 
+    /// The roles of its words, each once, in their order.
+    pub fn roles(&self) -> Vec<Role> {
+        let mut roles = Vec::new();
+        for role in self.0.iter().filter_map(|(_, role)| *role) {
+            if !roles.contains(&role) {
+                roles.push(role);
+            }
+        }
+        roles
+    }
+
     /// The sentence without colours, with plain spaces.
     pub fn plain(&self) -> String {
         self.0.iter().map(|(words, _)| words.replace('\u{a0}', " ")).collect()
