@@ -63,7 +63,7 @@ use motionscope::ui::app::commands::{Command, Granularities, Menu};
 use motionscope::ui::app::{App, Region};
 use motionscope::ui::charts::heat_map;
 use motionscope::ui::model::document::Owner;
-use motionscope::ui::model::snapshot::{Place, Snapshot};
+use motionscope::ui::model::snapshot::{Near, Place, Snapshot};
 use motionscope::ui::model::writer::{Order, OutputKind};
 use motionscope::ui::{self, Start};
 use motionscope::view::look::Look;
@@ -99,7 +99,7 @@ impl Window {
     /// Goes from the start of the bundled sample into the middle of a search, where there is something to see.
     fn look_in(&mut self) {
         let (width, height) = self.shown().pictures.pair[0].size();
-        let near = Some(Focus::current([width as f32 * 0.19, height as f32 * 0.57]));
+        let near = Near::Pixel(Focus::current([width as f32 * 0.19, height as f32 * 0.57]));
         let cursor = Cursor { unit: 0, event: 640 };
         self.harness.state_mut().walk_from(Place { cursor, near, ..Place::default() });
         self.settle();

@@ -3,6 +3,7 @@
 pub mod comparison;
 pub mod course_table;
 pub mod first;
+pub mod interest;
 pub mod live;
 pub mod pixel;
 pub mod side_by_side;

@@ -435,7 +435,7 @@ impl App {
                 let place = Place { cursor: Cursor { unit, event: usize::MAX }, ..Place::default() };
                 self.document.begin_near(place)
             }
-            _ => Place::default(),
+            _ => Place::OPENING,
         };
         if self.document.frame() > before {
             let (name, frame) = (self.document.estimator().info().name, self.document.frame());

@@ -51,10 +51,12 @@ impl App {
         }
         self.walker.tend();
         self.view = self.walker.view();
-        // A run that takes long to begin is seen as far as it is known, rather than another clip under its name.
+        // A run that takes long to begin is seen as far as it is known, rather than another clip or estimator under its name.
         let is_late = self.view.busy_for.is_some_and(|time| time > status::LATE);
+        let id = self.document.estimator().info().id;
+        let is_ours = |shown: &Snapshot| self.document.is_of_clip(shown) && shown.info.id == id;
         if let Some(coming) = self.view.coming.take().filter(|_| is_late)
-            && !self.view.shown.as_deref().is_some_and(|shown| self.document.is_of_clip(shown))
+            && !self.view.shown.as_deref().is_some_and(is_ours)
         {
             self.view.shown = Some(coming);
         }
@@ -180,7 +182,7 @@ impl App {
         if is_another {
             self.settings.look.view = Some(self.own_view());
         }
-        self.go_on(Cursor::default());
+        self.go_on(Place::OPENING);
     }
 
     /// Opens an example of the estimator `id`, and says what it shows once it is open.
@@ -226,13 +228,12 @@ impl App {
     }
 
     /// Goes on where the clip was left that is open now, or else begins at `start`; gives whether it was left anywhere.
-    fn go_on(&mut self, start: Cursor) -> bool {
+    fn go_on(&mut self, start: Place) -> bool {
         let frame = self.left_at().map(|left| left.frame);
         if let Some(frame) = frame {
             self.document.go_to_frame(frame);
         }
-        let cursor = self.left_in_run().unwrap_or(start);
-        self.walk_from(Place::at(cursor));
+        self.walk_from(self.left_in_run().map_or(start, Place::at));
         frame.is_some()
     }
 
@@ -289,7 +290,8 @@ impl App {
             self.choose_tracker();
             // Where there are no pictures, what was detected is the first thing to be seen.
             let is_blank = self.document.clip().is_some_and(Clip::is_blank);
-            if !self.go_on(Cursor { unit: 0, event: usize::from(is_blank) }) {
+            let start = if is_blank { Place::at(Cursor { unit: 0, event: 1 }) } else { Place::OPENING };
+            if !self.go_on(start) {
                 self.begin_where_known(first_known);
                 self.ask_for_region();
             }
@@ -330,7 +332,7 @@ impl App {
         let Some(frame) = first.filter(|_| is_of_pair(self.document.estimator())) else { return };
         if self.document.go_to_frame(frame) {
             self.toasts.tell(format!("{} Choose another one under Clip.", told_of_pair(frame)));
-            self.walk_from(Place::default());
+            self.walk_from(Place::OPENING);
         }
     }
 

@@ -26,9 +26,11 @@ impl App {
             return;
         }
         let theme = self.settings.look.theme;
+        let is_lockstep = !self.document.side_by_side().is_empty();
+        let input = question::Input { predict: &self.predict, is_lockstep, theme };
         let frame = Frame::new().fill(style::color(theme.chrome().raised)).inner_margin(Margin::symmetric(12, 6));
         let asked = Panel::bottom("question").frame(frame);
-        let asked = asked.show(ui, |ui| question::show(ui, &self.predict, theme, &mut self.question, actions));
+        let asked = asked.show(ui, |ui| question::show(ui, &input, &mut self.question, actions));
         regions.push((Region::Question, asked.response.rect));
     }
 

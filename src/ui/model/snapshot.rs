@@ -20,13 +20,25 @@ pub enum Hold {
     Set(Option<Held>),
 }
 
+/// Which unit of another run is meant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Near {
+    /// The one with the same number.
+    #[default]
+    Same,
+    /// The one with its result at this pixel.
+    Pixel(Focus),
+    /// The one that a run opens with, because most moves there.
+    Interest,
+}
+
 /// A position that is valid in runs with other parameters as well.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Place {
     /// The target of the move.
     pub cursor: Cursor,
-    /// The pixel whose unit is meant, if known.
-    pub near: Option<Focus>,
+    /// Which unit is meant, if not that of the cursor.
+    pub near: Near,
     /// The candidate of that unit under test, `[u, v]` in px, if the step is about one.
     pub candidate: Option<[i32; 2]>,
     /// The held pixel.
@@ -35,7 +47,10 @@ pub struct Place {
 
 impl Place {
     /// The end of the run.
-    pub const END: Self = Self { cursor: Cursor::END, near: None, candidate: None, hold: Hold::Kept };
+    pub const END: Self = Self { cursor: Cursor::END, near: Near::Same, candidate: None, hold: Hold::Kept };
+    /// Where a run opens that was at no place before.
+    pub const OPENING: Self =
+        Self { cursor: Cursor { unit: 0, event: 0 }, near: Near::Interest, candidate: None, hold: Hold::Kept };
 
     /// At `cursor`.
     pub fn at(cursor: Cursor) -> Self {
@@ -53,7 +68,7 @@ impl Place {
         }
         let event = if event > 0 && event == shown.events { usize::MAX } else { event };
         // What is pointed at is not where the run stands.
-        let near = shown.reference().filter(|_| shown.pointed.is_none());
+        let near = shown.reference().filter(|_| shown.pointed.is_none()).map_or(Near::Same, Near::Pixel);
         // With another search window the same candidate is tested by another event; in lockstep events are counted anyway.
         let is_inside = event > 0 && event < usize::MAX && shown.tiles.is_empty();
         let candidate = surface(&shown.step).and_then(|surface| surface.probe).filter(|_| is_inside);
@@ -71,7 +86,7 @@ impl Place {
             _ => shown.tested.max(1),
         };
         // Where the budget counts, a unit is one of the leader, on whatever level.
-        let near = place.near.filter(|_| pace == Pace::Block);
+        let near = if pace == Pace::Block { place.near } else { Near::Same };
         Self { cursor: Cursor { unit: shown.leader().unit, event }, near, ..Self::default() }
     }
 

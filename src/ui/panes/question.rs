@@ -19,8 +19,19 @@ pub struct State {
     of: Option<(&'static str, Cursor)>,
 }
 
+/// What the bar is about.
+pub struct Input<'a> {
+    /// The question that is open, or the last one.
+    pub predict: &'a Predict,
+    /// Whether several estimators run in lockstep, where no step is asked about.
+    pub is_lockstep: bool,
+    /// The theme.
+    pub theme: Theme,
+}
+
 /// Draws the bar into the whole width of `ui`. It is as high without a question as with one, so that the stage stays where it is.
-pub fn show(ui: &mut Ui, predict: &Predict, theme: Theme, state: &mut State, actions: &mut Actions) {
+pub fn show(ui: &mut Ui, input: &Input<'_>, state: &mut State, actions: &mut Actions) {
+    let Input { predict, is_lockstep, theme } = *input;
     let size = TextStyle::Body.resolve(ui.style()).size;
     ui.spacing_mut().item_spacing = vec2(8.0, 4.0);
     ui.set_min_height(2.0 * ui.spacing().interact_size.y + 4.0);
@@ -46,10 +57,19 @@ pub fn show(ui: &mut Ui, predict: &Predict, theme: Theme, state: &mut State, act
         (None, Some(answered)) => outcome(ui, answered, theme),
         (None, None) => {
             let dim = style::color(theme.chrome().dim);
-            let text = "→ asks before it shows the next result. Then number keys count hands, and a click on the picture is a guess.";
-            ui.label(RichText::new(text).color(dim));
+            ui.label(RichText::new(idle(is_lockstep)).color(dim));
         }
     }
+}
+
+/// What the bar says without a question.
+fn idle(is_lockstep: bool) -> String {
+    if is_lockstep {
+        let key = Command::Lockstep.key();
+        return format!("In lockstep no step is asked about: {key} goes on with one estimator, which asks again.");
+    }
+    "→ asks before it shows the next result. Then number keys count hands, and a click on the picture is a guess."
+        .into()
 }
 
 impl State {

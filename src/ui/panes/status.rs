@@ -43,7 +43,8 @@ pub fn work(view: &View) -> Option<Work> {
                 Phase::Running => "Running…",
                 Phase::Measuring => "Measuring the result…",
             };
-            Some(Work { what: what.into(), share: None })
+            let secs = view.busy_for.map_or(0, |time| time.as_secs());
+            Some(Work { what: if secs == 0 { what.into() } else { format!("{what} {secs} s") }, share: None })
         }
     }
 }
@@ -190,6 +191,7 @@ mod tests {
         let (short, long) = (busy(LATE / 2), busy(2 * LATE));
         assert_eq!((message(View::default()), message(short.clone())), (None, None));
         assert_eq!(message(long.clone()).as_deref(), Some("Starting the run…"));
+        assert_eq!(message(busy(Duration::from_millis(12_900))).as_deref(), Some("Starting the run… 12 s"));
         assert_eq!(message(View { phase: Phase::Measuring, ..long.clone() }).as_deref(), Some("Measuring the result…"));
         let units = View { progress: Some((3, 20)), ..short };
         assert_eq!(message(units).as_deref(), Some("3 of 20"));

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use motionscope_core::scene::{Picture, Readout};
 use motionscope_core::{Clip, Cursor, Flow, Frame, FrameSource, Grid, Stop, estimator};
 
+use super::super::snapshot::Near;
 use super::*;
 use crate::experiment::Experiment;
 use crate::experiment::source::Source;
@@ -125,8 +126,11 @@ fn a_cancelled_frame_is_not_waited_for() {
 #[test]
 fn a_run_begins_where_it_is_wanted() {
     let walker = Walker::new(|| {}).unwrap();
-    let place =
-        Place { cursor: Cursor { unit: 0, event: 5 }, near: Some(Focus::current([40.0, 20.0])), ..Place::default() };
+    let place = Place {
+        cursor: Cursor { unit: 0, event: 5 },
+        near: Near::Pixel(Focus::current([40.0, 20.0])),
+        ..Place::default()
+    };
     walker.start(Job { place, ..job() });
     assert_eq!(cursor(&walker), Cursor { unit: 6, event: 5 });
     walker.go_at(Focus::current([1.0, 1.0]), Side::End);

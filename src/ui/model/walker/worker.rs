@@ -12,12 +12,13 @@ use super::long_move::LongMove;
 use super::mailbox::{Phase, Request, Shared};
 use super::run::Run;
 use super::{NEWS, SLOW_AFTER};
+use crate::experiment::interest::opening;
 use crate::experiment::pixel::{Held, is_explained, place_of, walks_pixels};
 use crate::experiment::{Experiment, Prepared};
 use crate::paint::FlowLayer;
 use crate::ui::app::action::Side;
 use crate::ui::model::preview::preview;
-use crate::ui::model::snapshot::{Hold, Job, Place, Pointed, Snapshot, event_of};
+use crate::ui::model::snapshot::{Hold, Job, Near, Place, Pointed, Snapshot, event_of};
 use crate::view::look::Look;
 use crate::view::moment::{LastPair, Moment};
 use crate::view::motion::{AvailableLayers, backward};
@@ -203,8 +204,10 @@ impl<'a> Worker<'a> {
         let mut walk = subject.experiment.walk(&clip)?;
         let pair = pairs.of(&*walk, &clip)?.clone();
         let Place { mut cursor, near, .. } = place;
-        if let Some(unit) = near.and_then(|focus| walk.unit_at(focus)) {
-            cursor.unit = unit;
+        match near {
+            Near::Same => {}
+            Near::Pixel(focus) => cursor.unit = walk.unit_at(focus).unwrap_or(cursor.unit),
+            Near::Interest => cursor = opening(&*walk, &clip, subject.experiment.frame).unwrap_or(cursor),
         }
         // The unit of a search is short. A candidate outside the new search window keeps the number of its event.
         if let Some(event) = place.candidate.and_then(|candidate| event_of(&mut *walk, cursor, candidate)) {
