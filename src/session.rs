@@ -107,7 +107,7 @@ impl Named {
             return Ok(Self { source: session.experiment.source.clone(), given, session: Some(session) });
         }
         if !Session::is_named(Path::new(name)) {
-            return Ok(Self { source: Source::parse(name)?, given, session: None });
+            return Ok(Self { source: Source::typed(name)?, given, session: None });
         }
         let mut session = Session::load(Path::new(name))?;
         let experiment = &mut session.experiment;

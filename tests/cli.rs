@@ -1507,6 +1507,10 @@ fn names_that_are_seen_in_the_window_work() {
     assert_eq!(run(&format!("run {SMALL} --estimator Diamond-search {settings}")), "diamond");
     assert!(stdout(folder.path(), "info Marble").contains("frames"));
     assert!(refusal(folder.path(), "info Marbles").contains("Marbles"));
+    // In a session it is a file, wherever the program was started.
+    fs::write(folder.path().join("a.motionscope"), "motionscope = 1\nclip = \"Marble\"\nestimator = \"diamond\"\n")
+        .unwrap();
+    assert!(refusal(folder.path(), "run a.motionscope").contains("Marble"));
 }
 
 #[test]
@@ -1611,8 +1615,10 @@ fn a_session_opens_no_pipe_and_no_device() {
         ("clip = \"synth:pillar\"\ndepths = \"/dev/zero\"\n", "/dev/zero"),
     ] {
         fs::write(here.join("odd.motionscope"), format!("motionscope = 1\n{keys}{run}")).unwrap();
-        let told = refusal(here, "run odd.motionscope");
-        assert!(told.contains(named), "{told}");
+        for trust in ["", " --trust"] {
+            let told = refusal(here, &format!("run odd.motionscope{trust}"));
+            assert!(told.contains(named), "{told}");
+        }
         fs::write(here.join("odd.md"), format!("# T\nS.\n+++\ntitle = \"One\"\n{keys}{run}+++\nW.\n")).unwrap();
         let told = refusal(here, "lessons odd.md");
         assert!(told.contains(named), "{told}");

@@ -27,7 +27,7 @@ pub struct Args {
     /// Second picture: CLIP and it are the two frames of the clip.
     #[arg(value_name = "PICTURE")]
     pub next: Option<OsString>,
-    /// Open files outside of the folder of the session or lesson that names them.
+    /// Open what a session or lesson names outside of its folder, or what needs ffmpeg.
     #[arg(long, global = true)]
     pub trust: bool,
     #[command(subcommand)]

@@ -25,7 +25,9 @@ const REAL_TIME_HZ: f64 = 25.0;
 const HARDLY_PERCENT: f64 = 5.0;
 /// Share of blocks found, in %, from which a search counts as accurate.
 const ACCURATE_PERCENT: f64 = 90.0;
-/// Share found, in %, below which no search counts as excellent or robust.
+/// Mean endpoint error in px up to which a search counts as accurate.
+const ACCURATE_PX: f64 = 1.0;
+/// Share found, in %, below which no search counts as robust.
 const HALF_PERCENT: f64 = 50.0;
 /// Difference of two shares, in percentage points, from which they count as different.
 const DIFFERENT_POINTS: f64 = 5.0;
@@ -84,9 +86,14 @@ pub struct CourseRow {
     pub measured: [String; 3],
 }
 
-/// A statement, and whether it is confirmed.
-fn claim(line: usize, quote: &'static str, holds: bool) -> Claim {
-    Claim { quote, line, holds: Some(holds) }
+/// A statement, and whether it is confirmed, if that can be told.
+fn claim(line: usize, quote: &'static str, holds: impl Into<Option<bool>>) -> Claim {
+    Claim { quote, line, holds: holds.into() }
+}
+
+/// Whether a possibility ("can", "may") is confirmed. One clip without an instance does not refute it.
+fn possible(is_seen: bool) -> Option<bool> {
+    is_seen.then_some(true)
 }
 
 /// Returns the three searches with the same settings.
@@ -133,7 +140,7 @@ pub fn course_table(conditions: &Conditions<'_>, stop: &Stop) -> Result<Vec<Cour
 }
 
 fn shown(values: [f64; 3], digits: usize) -> [String; 3] {
-    values.map(|value| format!("{value:.digits$}"))
+    values.map(|value| if value.is_nan() { "unknown".into() } else { format!("{value:.digits$}") })
 }
 
 fn milliseconds(rows: &[Row; 3]) -> [f64; 3] {
@@ -142,7 +149,7 @@ fn milliseconds(rows: &[Row; 3]) -> [f64; 3] {
 
 /// A figure of the blocks of each search; each of them is a block search.
 fn of_blocks(rows: &[Row; 3], figure: impl Fn(&BlockFigures) -> f64) -> [f64; 3] {
-    rows.each_ref().map(|row| row.figures.blocks.as_ref().map_or(0.0, &figure))
+    rows.each_ref().map(|row| row.figures.blocks.as_ref().map_or(f64::NAN, &figure))
 }
 
 fn search_space(rows: &[Row; 3]) -> CourseRow {
@@ -223,7 +230,10 @@ fn large_windows(small: &[Row; 3], large: &[Row; 3]) -> CourseRow {
 
 /// The rows on accuracy: missed minima, the prediction, and the true motion where it is known.
 fn accuracy(rows: &[Row; 3]) -> Vec<CourseRow> {
-    let missed = of_blocks(rows, |blocks| 100.0 * blocks.missed_share().unwrap_or(0.0));
+    let missed = of_blocks(rows, |blocks| blocks.missed_share().map_or(f64::NAN, |share| 100.0 * share));
+    let errors = rows.each_ref().map(|row| row.assessment.value(&EPE));
+    let is_accurate = |i: usize| errors[i].map(|error| error <= ACCURATE_PX);
+    let avoids_minima = missed[2] <= HARDLY_PERCENT && missed[2] <= missed[1];
     // Without any error it is infinite.
     let db = rows.each_ref().map(|row| row.assessment.value(&PSNR).unwrap_or(f64::INFINITY));
     let more_accurate = |holds| {
@@ -236,12 +246,16 @@ fn accuracy(rows: &[Row; 3]) -> Vec<CourseRow> {
         CourseRow {
             feature: "accuracy: blocks in % with a missed global minimum".into(),
             claims: vec![
-                claim(900, "High accuracy, but computationally expensive.", missed[0] == 0.0),
-                claim(897, "Can miss the global minimum due to narrowing down search space.", missed[1] > 0.0),
+                claim(900, "High accuracy, but computationally expensive.", is_accurate(0)),
+                claim(
+                    897,
+                    "Can miss the global minimum due to narrowing down search space.",
+                    possible(missed[1] > 0.0),
+                ),
                 claim(
                     897,
                     "Very accurate, avoids local minima by refining estimates across resolutions.",
-                    missed[2] <= HARDLY_PERCENT && missed[2] <= missed[1],
+                    avoids_minima && is_accurate(2) != Some(false),
                 ),
             ],
             measured: shown(missed, 1),
@@ -252,7 +266,6 @@ fn accuracy(rows: &[Row; 3]) -> Vec<CourseRow> {
             measured: db.map(|db| if db.is_finite() { format!("{db:.2}") } else { "perfect".into() }),
         },
     ];
-    let errors = rows.each_ref().map(|row| row.assessment.value(&EPE));
     if let [Some(sequential), Some(logarithmic), Some(hierarchical)] = errors {
         all.push(CourseRow {
             feature: "accuracy: mean endpoint error in px against the true motion".into(),
@@ -296,7 +309,7 @@ fn large_motion(conditions: &Conditions<'_>, stop: &Stop) -> Result<[CourseRow; 
                 claim(
                     920,
                     "Excellent at handling large displacements by starting from coarse estimates.",
-                    shares[2] >= HALF_PERCENT && shares[2] >= shares[0] - DIFFERENT_POINTS,
+                    shares[2] >= ACCURATE_PERCENT && shares[2] >= shares[0] - DIFFERENT_POINTS,
                 ),
             ],
             measured: shown(shares, 1),
@@ -333,7 +346,7 @@ fn small_motion(conditions: &Conditions<'_>, stop: &Stop) -> Result<CourseRow, E
             claim(
                 805,
                 "it can be less efficient for cases where the motion between consecutive frames is small",
-                hierarchical > logarithmic,
+                possible(hierarchical > logarithmic),
             ),
         ],
         measured: found.map(|(share, candidates)| format!("{:.1} % with {candidates:.0}", 100.0 * share)),
@@ -368,11 +381,15 @@ fn real_time(rows: &[Row; 3], conditions: &Conditions<'_>) -> Result<CourseRow, 
         ),
         claims: vec![
             claim(940, "Not ideal for real-time processing due to high computational cost.", hertz[0] < REAL_TIME_HZ),
-            claim(937, "Can be suitable for real-time processing with small search windows.", hertz[1] >= REAL_TIME_HZ),
+            claim(
+                937,
+                "Can be suitable for real-time processing with small search windows.",
+                possible(hertz[1] >= REAL_TIME_HZ),
+            ),
             claim(
                 937,
                 "Suitable for high-resolution, large motion estimation but may not be real-time due to pyramid construction.",
-                hertz[2] < REAL_TIME_HZ,
+                possible(hertz[2] < REAL_TIME_HZ),
             ),
         ],
         measured: shown(hertz, 0),
@@ -393,7 +410,7 @@ fn robustness(
     };
     let right = |flow: Option<Flow>, truth: &Flow| -> Result<f64, Error> {
         let error = flow.map(|flow| metrics::flow_error(&flow, truth)).transpose()?.flatten();
-        Ok(error.map_or(0.0, |error| 100.0 * (1.0 - error.beyond[1])))
+        Ok(error.map_or(f64::NAN, |error| 100.0 * (1.0 - error.beyond[1])))
     };
     let (name, condition) = match disturbance {
         Disturbance::Noise => ("noise", format!("Gaussian noise of σ = {NOISE_SIGMA} gray levels")),
@@ -417,32 +434,39 @@ fn robustness(
                 Disturbance::Light => row.figures.kept_in_light,
             });
             let what = format!("blocks in % with a displacement that changes by at most 1 px under {condition}");
-            (what, [100.0; 3], kept.map(|share| 100.0 * share.unwrap_or(0.0)))
+            (what, [100.0; 3], kept.map(|share| share.map_or(f64::NAN, |share| 100.0 * share)))
         }
     };
+    let [before, after] = [calm, shaken].map(|shares| shown(shares, 1));
     Ok(CourseRow {
         feature: format!("{name}: {what}"),
         claims: robustness_claims(calm, shaken),
-        measured: [0, 1, 2].map(|i| match has_truth {
-            true => format!("{:.1} → {:.1}", calm[i], shaken[i]),
-            false => format!("{:.1}", shaken[i]),
-        }),
+        measured: [0, 1, 2].map(|i| if has_truth { format!("{} → {}", before[i], after[i]) } else { after[i].clone() }),
     })
 }
 
 /// The statements on robustness, by the shares in % that are right without and with the disturbance.
 fn robustness_claims(calm: [f64; 3], shaken: [f64; 3]) -> Vec<Claim> {
+    let known = |holds: Option<bool>| holds.filter(|_| calm.iter().chain(&shaken).all(|share| !share.is_nan()));
     let is_sensitive = |i: usize| calm[i] - shaken[i] > DIFFERENT_POINTS;
     // A search that finds next to nothing has nothing to lose.
     let is_robust = shaken[2] >= HALF_PERCENT && !is_sensitive(2);
     vec![
-        claim(947, "Sensitive to noise and illumination changes due to exhaustive search.", is_sensitive(0)),
+        claim(
+            947,
+            "Sensitive to noise and illumination changes due to exhaustive search.",
+            known(Some(is_sensitive(0))),
+        ),
         claim(
             947,
             "Can be more robust than sequential search, but still sensitive to large differences.",
-            shaken[1] > shaken[0] + DIFFERENT_POINTS && is_sensitive(1),
+            known(possible(shaken[1] > shaken[0] + DIFFERENT_POINTS && is_sensitive(1))),
         ),
-        claim(947, "Robust to noise and illumination changes due to the multi-resolution approach.", is_robust),
+        claim(
+            947,
+            "Robust to noise and illumination changes due to the multi-resolution approach.",
+            known(Some(is_robust)),
+        ),
     ]
 }
 
@@ -554,14 +578,15 @@ mod tests {
 
     #[test]
     fn a_point_is_no_difference_and_half_of_the_vectors_lost_is_not_robust() {
-        let [yes, no] = [Some(true), Some(false)];
-        assert_eq!(verdicts([100.0; 3], [30.8, 31.8, 50.8]), [yes, no, no]);
-        assert_eq!(verdicts([100.0; 3], [6.0, 8.7, 11.3]), [yes, no, no]);
+        let [yes, no, not_seen] = [Some(true), Some(false), None];
+        assert_eq!(verdicts([100.0; 3], [30.8, 31.8, 50.8]), [yes, not_seen, no]);
+        assert_eq!(verdicts([100.0; 3], [6.0, 8.7, 11.3]), [yes, not_seen, no]);
         assert_eq!(verdicts([98.0, 90.0, 97.0], [60.0, 75.0, 96.0]), [yes, yes, yes]);
         // A search that finds next to nothing cannot lose it, which does not make it robust.
-        assert_eq!(verdicts([98.0, 40.0, 10.0], [90.0, 38.0, 8.0]), [yes, no, no]);
+        assert_eq!(verdicts([98.0, 40.0, 10.0], [90.0, 38.0, 8.0]), [yes, not_seen, no]);
         // As many are right with noise as without it, although these are few.
-        assert_eq!(verdicts([98.0, 40.0, 97.0], [96.0, 38.0, 96.0]), [no, no, yes]);
+        assert_eq!(verdicts([98.0, 40.0, 97.0], [96.0, 38.0, 96.0]), [no, not_seen, yes]);
+        assert_eq!(verdicts([98.0, f64::NAN, 97.0], [90.0, 38.0, 96.0]), [None; 3], "unknown is not 0");
     }
 
     #[test]

@@ -47,9 +47,7 @@ impl Source {
             return Ok(Self::Pair([first.into(), second.into()]));
         }
         let Some(scene) = name.to_str().and_then(|name| name.strip_prefix(SYNTH)) else {
-            // A scene may be named as it is seen in the window, where no file is called so.
-            let scene = name.to_str().filter(|_| !Path::new(name).exists()).and_then(|name| synth::scene(name).ok());
-            return scene.map_or_else(|| Ok(Self::File(name.into())), |scene| Self::synth(scene.id));
+            return Ok(Self::File(name.into()));
         };
         let mut parts = scene.split(',');
         let mut source = Self::synth(parts.next().unwrap_or_default())?;
@@ -57,6 +55,16 @@ impl Source {
             source.set(setting)?;
         }
         Ok(source)
+    }
+
+    /// Parses what a person types: as [`Source::parse`], and a scene by its name in the window unless a file is called so.
+    ///
+    /// # Errors
+    /// As [`Source::parse`].
+    pub fn typed(name: impl AsRef<OsStr>) -> Result<Self, Error> {
+        let name = name.as_ref();
+        let scene = name.to_str().filter(|_| !Path::new(name).exists()).and_then(|name| synth::scene(name).ok());
+        scene.map_or_else(|| Self::parse(name), |scene| Self::synth(scene.id))
     }
 
     /// Returns the name of the clip of two pictures, as [`Source::parse`] reads it.

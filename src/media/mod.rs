@@ -344,6 +344,10 @@ fn with_given(path: &Path, options: &Open, source: Source) -> Result<Clip, Error
     let files = Arc::clone(&source.files);
     let left = LeftView { path, files: &files };
     let views = if stereo::has_right_view(&left, options) { 2 } else { 1 };
+    let mut source = source;
+    if options.given.contrast.is_some() && source.contrast.is_none() {
+        source.info.warnings.push("the contrast is not used: the clip has no 16-bit pictures".into());
+    }
     // Both views are shown alike, or the same point would have two brightnesses.
     let given = Given { contrast: source.contrast.or(options.given.contrast), ..options.given.clone() };
     let options = &Open { cache_bytes: options.cache_bytes / views, given, ..options.clone() };
@@ -510,12 +514,16 @@ fn is_still_or_folder(path: &Path) -> bool {
     path.is_dir() || sequence::is_pattern(path) || matches!(is_still(), Ok(Kind::Still))
 }
 
-/// Whether the video at `path` is given to an installed ffmpeg, because no built-in decoder shows it.
+/// Whether the video at `path`, or the right view beside it, is given to an installed ffmpeg, because no built-in decoder shows it.
 pub(crate) fn needs_ffmpeg(path: &Path) -> bool {
     let built_in = Open { ffmpeg: false, cache_bytes: 0, ..Open::default() };
-    path.is_file()
-        && matches!(picture_kind(path), Ok(Kind::Video(_)))
-        && guarded(|| open_source(path, &built_in)).is_err()
+    let is_foreign = |path: &Path| {
+        path.is_file()
+            && matches!(picture_kind(path), Ok(Kind::Video(_)))
+            && guarded(|| open_source(path, &built_in)).is_err()
+    };
+    let (right, _) = stereo::files(&LeftView { path, files: &[] }, &Open::default());
+    is_foreign(path) || right.iter().any(|path| is_foreign(path))
 }
 
 fn open_source(path: &Path, options: &Open) -> Result<Source, Error> {

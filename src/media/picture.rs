@@ -77,12 +77,15 @@ fn is_cut_jpeg(file: &mut File) -> io::Result<bool> {
     Ok(is_jpeg && !tail.windows(2).any(|mark| mark == [0xFF, 0xD9]))
 }
 
-/// The pages of the TIFF at `path` that show the same as its first one at other times: those of its size. None if it is no TIFF.
-pub(crate) fn pages(path: &Path) -> Vec<Page> {
+/// The pages of the TIFF at `path` that may be frames, those of the size of the first, and how many others there are. None if it is no
+/// TIFF.
+pub(crate) fn pages(path: &Path) -> (Vec<Page>, usize) {
     let mut pages = File::open(path).map(|mut file| tiff::pages(&mut file)).unwrap_or_default();
-    let size = pages.first().map(|page| page.size);
-    pages.retain(|page| Some(page.size) == size && !page.is_auxiliary);
-    pages
+    pages.retain(|page| !page.is_auxiliary);
+    let (count, size) = (pages.len(), pages.first().map(|page| page.size));
+    pages.retain(|page| Some(page.size) == size);
+    let others = count - pages.len();
+    (pages, others)
 }
 
 /// The error about a variant that the decoders do not know: BigTIFF, floating-point numbers, processes of JPEG.

@@ -18,8 +18,8 @@ use super::{Decoder, Open, Source, check_size, name_of, picture};
 /// # Errors
 /// One sentence, without the file's name.
 pub(crate) fn open(path: &Path, options: &Open) -> Result<Source, Error> {
-    let pages = if path.is_file() { picture::pages(path) } else { Vec::new() };
-    if pages.len() > 1 {
+    let pages = if path.is_file() { picture::pages(path) } else { Default::default() };
+    if pages.0.len() > 1 {
         return stack(path, &pages, options);
     }
     let mut sequence = Sequence::find(path)?;
@@ -128,9 +128,9 @@ fn sized((width, height): (usize, usize)) -> String {
     format!("{width}×{height} px")
 }
 
-/// The clip of the pages of one TIFF.
-fn stack(path: &Path, pages: &[Page], options: &Open) -> Result<Source, Error> {
-    let first = picture::open(path)?;
+/// The clip of the pages of one TIFF that have the same size; there are so many `others`.
+fn stack(path: &Path, (pages, others): &(Vec<Page>, usize), options: &Open) -> Result<Source, Error> {
+    let first = picture::open_page(path, pages.first().map(|page| page.directory))?;
     let mut info = ClipInfo {
         name: name_of(path),
         width: first.size.0,
@@ -141,6 +141,9 @@ fn stack(path: &Path, pages: &[Page], options: &Open) -> Result<Source, Error> {
         codec: first.codec.into(),
         warnings: first.warnings(),
     };
+    if *others > 0 {
+        info.warnings.push(format!("pages of another size than {} are left out: {others}", sized(first.size)));
+    }
     let places: Arc<[Place]> =
         pages.iter().map(|page| Place { file: path.into(), page: Some(page.directory) }).collect();
     let contrast = first.is_deep().then(|| contrast(&places, options, &mut info.warnings)).transpose()?;
@@ -168,14 +171,15 @@ fn contrast(places: &[Place], options: &Open, warnings: &mut Vec<String>) -> Res
             range = Some(range.map_or(own, |range| range.with(own)));
         }
     }
-    let Contrast { low, high } = range.map_or_else(Contrast::default, Contrast::shown);
+    let shown = range.map_or_else(Contrast::default, Contrast::shown);
+    let Contrast { low, high } = shown;
+    let from = if Some(shown) == range { "the range of the whole clip" } else { "the bits that its samples use" };
     let seen = if count < places.len() { format!(", found in {count} of its frames") } else { String::new() };
     warnings.push(if (low, high) == (0, u16::MAX) {
         "16 bits per channel are reduced to 8".into()
     } else {
         format!(
-            "16 bits per channel are reduced to 8: {low} is black and {high} white in every frame, the range of the whole \
-             clip{seen}; --contrast {low}..{high} sets another"
+            "16 bits per channel are reduced to 8: {low} is black and {high} white in every frame, {from}{seen}; --contrast {low}..{high} sets another"
         )
     });
     Ok(Contrast { low, high })
@@ -186,8 +190,8 @@ fn clip(path: &Path, name: String, sequence: Sequence, (fit, options): (Fit, &Op
     let Sequence { files, mut warnings } = sequence;
     let is_alone = files.len() == 1;
     match files.first().map(|first| (first, picture::pages(first))) {
-        Some((first, pages)) if pages.len() > 1 && is_alone => return stack(first, &pages, options),
-        Some((first, pages)) if pages.len() > 1 => {
+        Some((first, pages)) if pages.0.len() > 1 && is_alone => return stack(first, &pages, options),
+        Some((first, (pages, _))) if pages.len() > 1 => {
             let (name, count) = (file_name(first), pages.len());
             warnings
                 .push(format!("{name} has {count} pages, of which the first is a frame; open it by itself for all"));
@@ -482,9 +486,12 @@ mod tests {
         fs::write(&path, tiff((3, 1), 2, &[deep(0), deep(1023)], &[0; 2], 1)).unwrap();
         let clip = open(&path).unwrap();
         assert_eq!([0, 1].map(|t| clip.frame(t).unwrap().luma().cells().to_vec()), [[0, 100, 255], [255, 100, 255]]);
-        // A thumbnail is no frame.
+        // A thumbnail is no frame, wherever it stands.
         fs::write(&path, tiff((3, 2), 1, &[gray(1), gray(2)], &[0, 1], 1)).unwrap();
         assert_eq!(open(&path).unwrap().info().frames, Some(1));
+        fs::write(&path, tiff((3, 2), 1, &[gray(9), gray(1), gray(2)], &[1, 0, 0], 1)).unwrap();
+        let clip = open(&path).unwrap();
+        assert_eq!((clip.info().frames, clip.frame(0).unwrap().luma().cells()), (Some(2), &gray(1)[..]));
         // What cannot be read is named.
         fs::write(&path, tiff((1, 1), 4, &[vec![0; 4]], &[0], 3)).unwrap();
         assert!(open(&path).unwrap_err().to_string().contains("floating-point"));

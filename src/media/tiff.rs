@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 
-/// What the directory of a page says.
+/// A page, by its directory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Page {
     /// Where the directory begins in the file.
@@ -19,6 +19,8 @@ pub(crate) struct Page {
 
 /// More pages than any recording has.
 const MOST_PAGES: usize = 1 << 20;
+/// More entries than all of its directories have. Crafted directories may overlap, so that a small file has many more.
+const MOST_ENTRIES: usize = 1 << 25;
 
 /// Whether a file begins as a BigTIFF, whose offsets have 64 bits.
 pub(crate) fn is_big(head: &[u8]) -> bool {
@@ -51,34 +53,34 @@ impl<R: BufRead + Seek> Reader<R> {
             _ => return Ok(Vec::new()),
         }
         let mut next = self.long()?;
-        let (mut pages, mut met) = (Vec::new(), HashSet::new());
+        let (mut pages, mut met, mut entries) = (Vec::new(), HashSet::new(), 0);
         // A directory that leads back to an earlier one has no end.
-        while next != 0 && pages.len() < most && met.insert(next) {
-            let Ok((page, following)) = self.page(next) else { break };
+        while next != 0 && pages.len() < most && entries < MOST_ENTRIES && met.insert(next) {
+            let Ok((page, count, following)) = self.page(next) else { break };
             pages.push(page);
+            entries += count;
             next = following;
         }
         Ok(pages)
     }
 
-    /// The page whose directory is at `directory`, and where the next one is.
-    fn page(&mut self, directory: u32) -> io::Result<(Page, u32)> {
+    /// The page whose directory is at `directory`, the number of its entries, and where the next one is.
+    fn page(&mut self, directory: u32) -> io::Result<(Page, usize, u32)> {
         self.bytes.seek(SeekFrom::Start(directory.into()))?;
         let count = self.short()?;
         let entries = (0..count).map(|_| self.entry()).collect::<io::Result<Vec<_>>>()?;
         let next = self.long()?;
         let mut page = Page { directory, ..Page::default() };
-        for Entry { tag, kind, count, value } in entries {
-            let value = self.first(kind, count, value)?;
-            match tag {
-                254 => page.is_auxiliary = value & 0b101 != 0,
-                256 => page.size.0 = value as usize,
-                257 => page.size.1 = value as usize,
-                339 => page.is_float = value == 3,
+        for entry in &entries {
+            match entry.tag {
+                254 => page.is_auxiliary = self.first(entry)? & 0b101 != 0,
+                256 => page.size.0 = self.first(entry)? as usize,
+                257 => page.size.1 = self.first(entry)? as usize,
+                339 => page.is_float = self.first(entry)? == 3,
                 _ => {}
             }
         }
-        Ok((page, next))
+        Ok((page, entries.len(), next))
     }
 
     fn entry(&mut self) -> io::Result<Entry> {
@@ -89,7 +91,7 @@ impl<R: BufRead + Seek> Reader<R> {
     }
 
     /// The first number of an entry: two bytes or four, in the entry itself if all of its numbers fit there.
-    fn first(&mut self, kind: u16, count: u32, value: [u8; 4]) -> io::Result<u32> {
+    fn first(&mut self, &Entry { kind, count, value, .. }: &Entry) -> io::Result<u32> {
         const SHORT: u16 = 3;
         let [a, b, ..] = value;
         match kind {

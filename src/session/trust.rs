@@ -34,7 +34,7 @@ fn state() -> MutexGuard<'static, State> {
     STATE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Reads and keeps the list of what is trusted in `folder`.
+/// Keeps the list of what is trusted in later runs in `folder`.
 pub fn keep_in(folder: Option<PathBuf>) {
     state().list = folder.map(|folder| folder.join("trusted"));
 }
@@ -90,7 +90,8 @@ fn named(session: &Session) -> impl Iterator<Item = &Path> {
 }
 
 fn is_inside(path: &Path, folder: &Path) -> bool {
-    if !is_named_inside(path, folder) {
+    // By the names first: a place on another computer is not even looked at.
+    if !lexical(path).starts_with(lexical(folder)) {
         return false;
     }
     // A pattern of numbered pictures is no file itself, but its folder may be a link.
@@ -100,11 +101,6 @@ fn is_inside(path: &Path, folder: &Path) -> bool {
         // What is not there cannot be opened.
         _ => true,
     }
-}
-
-/// Whether `path` lies in `folder` by its name. Another one may be on another computer, and is not even looked at before that is agreed to.
-pub(super) fn is_named_inside(path: &Path, folder: &Path) -> bool {
-    lexical(path).starts_with(lexical(folder))
 }
 
 /// The absolute path without `.` and `..`.
@@ -124,22 +120,23 @@ fn lexical(path: &Path) -> PathBuf {
 /// videos that ffmpeg decodes.
 ///
 /// # Errors
-/// One sentence with the first of these files.
+/// One sentence with the first of these files, or about one from which no clip can be read.
 pub(super) fn check<'a>(file: &Path, text: &str, sessions: impl IntoIterator<Item = &'a Session>) -> Result<(), Error> {
-    let refused = if is_trusted(file, text.as_bytes()) { None } else { refusal(file, sessions) };
+    let sessions: Vec<&Session> = sessions.into_iter().collect();
+    let refused = if is_trusted(file, text.as_bytes()) { None } else { refusal(file, &sessions) };
     if let Ok(file) = fs::canonicalize(file) {
         let mut state = state();
         _ = if refused.is_some() { state.refused.insert(file) } else { state.refused.remove(&file) };
     }
-    refused.map_or(Ok(()), |what| {
+    if let Some(what) = refused {
         let how = "if you trust it, agree to that (on the command line with --trust)";
-        Err(Error::new(format!("it {what}; {how}")))
-    })
+        return Err(Error::new(format!("it {what}; {how}")));
+    }
+    sessions.iter().flat_map(|session| named(session)).try_for_each(media::check_is_file)
 }
 
 /// What the session or lesson in `file` does, by its `sessions`, that is asked about.
-fn refusal<'a>(file: &Path, sessions: impl IntoIterator<Item = &'a Session>) -> Option<String> {
-    let sessions: Vec<&Session> = sessions.into_iter().collect();
+fn refusal(file: &Path, sessions: &[&Session]) -> Option<String> {
     let name = |path: &Path| Error::short_name(&path.display().to_string());
     let all: BTreeSet<PathBuf> = sessions.iter().flat_map(|session| outside(session, file)).collect();
     if let Some(first) = all.first() {
@@ -151,7 +148,8 @@ fn refusal<'a>(file: &Path, sessions: impl IntoIterator<Item = &'a Session>) -> 
         return Some(format!("opens {}{others} outside of its own folder", name(first)));
     }
     // A file elsewhere is not touched before that is agreed to.
-    let video = sessions.iter().flat_map(|session| named(session)).find(|path| media::needs_ffmpeg(path))?;
+    let named: BTreeSet<&Path> = sessions.iter().flat_map(|session| named(session)).collect();
+    let video = named.into_iter().find(|path| media::needs_ffmpeg(path))?;
     Some(format!("has {} decoded by the ffmpeg of this computer", name(video)))
 }
 

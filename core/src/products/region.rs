@@ -110,7 +110,7 @@ pub struct RegionScores {
     pub precision: f64,
     /// Mean centre error in px over the frames in which the object is not reported as lost; NaN without any.
     pub center_px: f64,
-    /// How often the overlap fell to 0.
+    /// How often the overlap of the box fell to 0, whether it is reported as lost or not.
     pub failures: usize,
 }
 
@@ -143,7 +143,8 @@ const SCORES: [Measure; 6] = [
         "Mean distance of the centre from that of the true box in px, where the object is not reported as lost.",
     )
     .in_column("centre error px", 2),
-    Measure::new("failures", "How often the overlap with the true box fell to 0.").in_column("failures", 0),
+    Measure::new("failures", "How often the overlap of the box with the true one fell to 0, reported as lost or not.")
+        .in_column("failures", 0),
     Measure::new("judged_frames", "Frames with a true box that is at least partly visible, without the first."),
 ];
 

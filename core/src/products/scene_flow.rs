@@ -135,9 +135,15 @@ impl SceneFlowField {
             ));
             facts.push(fact("Reprojection error (RMS)", format!("{} px", fixed(ego.residual_px, 3))));
         }
-        if let Some(moving) = &self.moving {
+        let is_told = self.ego.is_none_or(|ego| ego.is_of_majority());
+        if let Some(moving) = self.moving.as_ref().filter(|_| is_told) {
             let share = 100.0 * moving.count() as f64 / all.max(1) as f64;
             facts.push(fact("Motion of its own", format!("{} pixels, {share:.1} %", grouped(moving.count()))));
+        } else if self.moving.is_some() {
+            facts.push(fact(
+                "Motion of its own",
+                "unknown: less than half of the points agree with the motion of the cameras",
+            ));
         }
         facts
     }

@@ -57,7 +57,7 @@ pub(super) struct Tracks {
     pub objects: BTreeMap<usize, Vec<ObjectBox>>,
     /// The boxes of what the benchmark does not score: a track that matches one is no false alarm.
     pub ignored: BTreeMap<usize, Vec<ObjectBox>>,
-    /// What is not taken over as it is in the file.
+    /// Of values that are not taken over as they are in the file.
     pub warning: Option<&'static str>,
 }
 
@@ -196,15 +196,16 @@ fn row(line: usize, text: &str) -> Result<Row, String> {
         _ => 1.0,
     };
     let confidence = rest.first().map_or(1.0, |&confidence| confidence as f32);
-    if !confidence.is_finite() {
-        return Err(format!("confidence {} is too large", rest[0]));
-    }
     let min = [left, top].map(|edge| (edge - FIRST_PX) as f32);
     let size = [width, height].map(|side| side as f32);
     // The class stands between confidence and visibility in the nine columns of a truth.
     let is_distractor = matches!(rest, &[_, class, _] if DISTRACTORS.contains(&class));
     let is_scored = confidence != 0.0 && !is_distractor;
-    Ok(Row { line, frame: frame as usize - 1, id, min, size, confidence, is_scored, visibility })
+    let row = Row { line, frame: frame as usize - 1, id, min, size, confidence, is_scored, visibility };
+    if !confidence.is_finite() && !row.is_absent() {
+        return Err(format!("confidence {} is no finite number", rest[0]));
+    }
+    Ok(row)
 }
 
 fn whole(what: &str, value: f64, least: f64) -> Result<u32, String> {
@@ -289,7 +290,13 @@ mod tests {
 
     #[test]
     fn an_absent_object_is_not_in_the_frame() {
-        for absent in ["2,1,1,1,-1,-1", "2,1,1,1,0,0", "2,1,nan,nan,nan,nan", "2,1,1,1,4,1e-300"] {
+        for absent in [
+            "2,1,1,1,-1,-1",
+            "2,1,1,1,0,0",
+            "2,1,nan,nan,nan,nan",
+            "2,1,nan,nan,nan,nan,nan,-1,-1,-1",
+            "2,1,1,1,4,1e-300",
+        ] {
             let objects = objects(&format!("1,1,1,1,4,4\n{absent}\n3,1,1,1,4,4\n")).unwrap().objects;
             assert_eq!(objects.into_keys().collect::<Vec<_>>(), [0, 2], "{absent}");
         }

@@ -260,8 +260,9 @@ fn shape(video: &[u8]) -> Vec<String> {
     let pixel = (|| {
         let (width, height) = (side(PIXEL_WIDTH)?, side(PIXEL_HEIGHT)?);
         let shown = [side(DISPLAY_WIDTH)?.checked_mul(height)?, side(DISPLAY_HEIGHT)?.checked_mul(width)?];
-        // A display of whole pixels is rounded.
-        let is_square = shown[0].abs_diff(shown[1]) <= width.max(height);
+        // A display in pixels is rounded to whole ones, a proportion such as 4:3 is exact.
+        let is_in_pixels = 2 * side(DISPLAY_WIDTH)? >= width;
+        let is_square = shown[0].abs_diff(shown[1]) <= if is_in_pixels { width.max(height) } else { 0 };
         (!is_square).then_some(shown)
     })();
     let warned = is_interlaced.then(super::interlaced);

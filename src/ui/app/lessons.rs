@@ -107,7 +107,10 @@ impl App {
 
     /// Turns the page instead of `command`, where that is what a lesson is stepped through with; gives whether the command is done with.
     pub(super) fn turns_page(&mut self, command: Command) -> bool {
-        let Some(open) = &self.lesson else { return false };
+        let Some(open) = &mut self.lesson else { return false };
+        // The offer of the next lesson ends with whatever else is done.
+        open.is_over &= matches!(command, Command::Into | Command::NextUnit);
+        let open = &*open;
         let (way, is_step) = match command {
             Command::Into => (Direction::Forward, true),
             Command::IntoBack => (Direction::Back, true),

@@ -80,7 +80,7 @@ pub fn parse(text: &str) -> Option<OsString> {
 }
 
 fn leads_somewhere(path: &OsString) -> bool {
-    matches!(Source::parse(path), Ok(Source::Synth { .. } | Source::Pair(_))) || Path::new(path).exists()
+    matches!(Source::typed(path), Ok(Source::Synth { .. } | Source::Pair(_))) || Path::new(path).exists()
 }
 
 fn line(text: &str) -> Option<OsString> {

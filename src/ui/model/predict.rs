@@ -33,8 +33,9 @@ pub struct Open {
     is_revealed: bool,
 }
 
-/// How often the same question is asked in a row, and how often it is passed over then.
+/// How often the same question is asked in a row.
 const ASKED_IN_A_ROW: usize = 3;
+/// How often it is passed over then.
 const PAUSE: usize = 2;
 
 /// Whether results are held back, the question that is open, and what the class has scored.
@@ -280,7 +281,7 @@ impl Predict {
     /// Whether a question that comes up is asked: one that comes up again and again pauses after some times.
     fn takes_turn(&mut self, question: &'static Question) -> bool {
         let before = match self.in_a_row {
-            Some((last, before)) if std::ptr::eq(last, question) => before + 1,
+            Some((last, before)) if last.id == question.id => before + 1,
             _ => 0,
         };
         self.in_a_row = Some((question, before));

@@ -293,11 +293,14 @@ impl SceneFlow {
         let sigmas = [0, 1, 2].map(|i| covariance[i][i].sqrt());
         let sentence = shown
             .named()
-            .text(format!(" is at P = {} in frame t and at P′ = {} in frame t + 1. Scene flow ", metres(motion.from), metres(motion.to)))
+            .text(format!(
+                " is at P = {} in frame t and at P′ = {} in frame t + 1. Scene flow ",
+                metres(motion.from),
+                metres(motion.to)
+            ))
             .ink(Role::Result, format!("V = P′ − P = {}", metres(motion.displacement())))
             .text(format!(
-                ". Along the depth its standard deviation is {} m, √(σ_Z² + σ_Z′²) with σ_Z = Z² σ_d / (f B): the error of a depth grows with its \
-                 square.",
+                ". Along the depth its standard deviation is {} m: the error of a depth grows with its square.",
                 fixed(sigmas[2], 3)
             ));
         let matrices = vec![
@@ -553,7 +556,27 @@ fn triangulation(measured: &Measured, rig: Option<&Calibration>, motion: &SpaceM
         formula,
         line("P", Role::Reference, measured.pixel, measured.disparity, motion.from),
         line("P′", Role::Measured, measured.next_pixel(), measured.next_disparity, motion.to),
+        depth_error(),
     ]
+}
+
+/// The standard deviation of the scene flow along the depth, from that of a disparity.
+fn depth_error() -> Math {
+    let sigma = |index| Math::indexed(Math::Var("σ"), Math::Var(index));
+    let both = Math::Row(vec![Math::squared(sigma("Z")), Math::text(" + "), Math::squared(sigma("Z′"))]);
+    let one = Math::over(
+        Math::Row(vec![Math::squared(Math::Var("Z")), Math::text(" "), sigma("d")]),
+        Math::Row(vec![Math::Var("f"), Math::text(" "), Math::Var("B")]),
+    );
+    Math::Row(vec![
+        sigma("V"),
+        Math::text(" = "),
+        Math::root(both),
+        Math::text(", "),
+        sigma("Z"),
+        Math::text(" = "),
+        one,
+    ])
 }
 
 fn reprojection() -> Vec<Math> {
