@@ -11,9 +11,11 @@ use image::codecs::png::PngDecoder;
 use image::imageops::crop_imm;
 use image::{AnimationDecoder as _, DynamicImage};
 use motionscope::experiment::source::Source;
+use motionscope::experiment::unplaced;
 use motionscope::media::{Open, open};
 use motionscope::session::Session;
-use motionscope_core::{Cursor, Move, estimator};
+use motionscope_core::params::{Figure, Kind, Params as _, Spec};
+use motionscope_core::{Cursor, Move, estimator, estimators};
 use serde_json::Value;
 
 fn motionscope(folder: &Path, line: &str) -> Output {
@@ -1280,6 +1282,43 @@ fn frames_that_repeat_the_one_before_are_reported() {
     assert_eq!(repeats(), serde_json::json!({ "identical": 1, "compared": 2 }));
     assert!(warned("run clip --estimator full-search --frame 0"));
     assert!(!warned("run clip --estimator full-search --frame 1"));
+}
+
+#[test]
+fn a_clip_of_ones_own_asks_for_the_box_of_the_object() {
+    let folder = tempfile::tempdir().unwrap();
+    stdout(folder.path(), &format!("synth {} --out clip", SMALL.trim_start_matches("synth:")));
+    let own = Source::parse(folder.path().join("clip")).unwrap();
+    let bundled = Source::parse("synth:translation").unwrap();
+    let mut asked = Vec::new();
+    for mut estimator in estimators() {
+        let clip = own.open(&Open::default()).unwrap();
+        let is_zone = |spec: &&Spec| matches!(spec.kind, Kind::Placed(Figure::Zone));
+        let zone = estimator.specs().iter().find(is_zone).map(|spec| spec.name.clone());
+        let id = estimator.info().id;
+        let name = unplaced(&*estimator, (&own, &clip), 0).map(|spec| spec.name.clone());
+        assert_eq!(name, zone, "{id}");
+        assert!(unplaced(&*estimator, (&bundled, &clip), 0).is_none(), "{id} on a bundled scene");
+        let Some(zone) = zone else { continue };
+        estimator.set(&zone, "10,10,40,40").unwrap();
+        assert!(unplaced(&*estimator, (&own, &clip), 0).is_none(), "{id} with its {zone}");
+        if estimator.set("contour", "10,10 40,10 40,40 10,40").is_ok() {
+            estimator.set(&zone, "none").unwrap();
+            assert!(unplaced(&*estimator, (&own, &clip), 0).is_none(), "{id} with a contour");
+        }
+        asked.push(id);
+    }
+    assert!(asked.len() >= 9 && ["camshift", "template-matching"].iter().all(|id| asked.contains(id)), "{asked:?}");
+    let warned = |line: &str| String::from_utf8(motionscope(folder.path(), line).stderr).unwrap();
+    for (id, name) in [("mean-shift", "region"), ("template-matching", "template")] {
+        let said = warned(&format!("run clip --estimator {id} --set frames=2"));
+        let asks = format!("give --set {name}=LEFT,TOP,RIGHT,BOTTOM");
+        assert!(said.lines().count() == 1 && said.contains(&asks), "{id}: {said}");
+        let placed = warned(&format!("run clip --estimator {id} --set frames=2 --set {name}=10,8,40,38"));
+        assert!(!placed.contains("LEFT,TOP"), "{id}: {placed}");
+        assert!(!warned(&format!("run {SMALL} --estimator {id} --set frames=2")).contains("LEFT,TOP"), "{id}");
+    }
+    assert!(warned("compare clip --estimators mean-shift").contains("LEFT,TOP,RIGHT,BOTTOM"));
 }
 
 #[test]

@@ -187,6 +187,30 @@ fn matches_on_known_motion_are_right() {
 }
 
 #[test]
+fn a_ratio_of_two_distances_of_0_is_undefined_in_words_and_numbers() {
+    // A pattern that repeats exactly.
+    let level = |x: usize, y: usize| ((x % 24) * (x % 24) * 7 + (y % 24) * 31 + (x % 24) * (y % 24) * 5) as u8;
+    let clip = still(Frame::gray(Grid::from_fn(144, 120, level)));
+    let mut walk = set("feature-matching", &[]).walk(&clip, 0).expect("a walk");
+    let mut seen = 0;
+    while !walk.at_end() && seen < 3 {
+        walk.jump(Move::Granularity(2, Direction::Forward));
+        let step = walk.step(None);
+        let said = step.sentence.plain();
+        if said.starts_with("Ratio test") {
+            let equation = format!("{:?}", step.readouts.iter().find(|of| matches!(of, Readout::Equation(_))));
+            assert_eq!(equation.contains("is undefined"), said.contains("is undefined"), "{said} {equation}");
+            seen += usize::from(said.contains("is undefined"));
+        }
+    }
+    assert!(seen > 0, "two distances of 0");
+    let output = run("feature-matching", &[], &clip);
+    let field = output.get::<MatchField>().expect("matches");
+    let undefined = field.matches.iter().filter(|found| found.status == MatchStatus::RejectedRatio);
+    assert!(undefined.filter(|found| found.distance == 0.0).all(|found| found.ratio.is_none()));
+}
+
+#[test]
 fn candidates_lie_within_the_search_radius() {
     let clip = scene("translation");
     let far = |radius: &str| {

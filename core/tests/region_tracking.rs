@@ -437,6 +437,54 @@ fn regions_without_pixels_are_refused_and_flat_ones_are_told() {
     }
 }
 
+/// Grass at rest, and before it a disc at `center`, if there is one, with the levels that `level` gives.
+fn before_grass(center: Option<[f64; 2]>, level: impl Fn(i64, i64) -> u8) -> Frame {
+    let grass = |x: usize, y: usize| 60 + (u16::from(noise(x / 2, y / 2, 5)) * 2 / 5) as u8;
+    Frame::gray(Grid::from_fn(128, 96, |x, y| match center {
+        Some([u, v]) if (x as f64 - u).hypot(y as f64 - v) < 11.0 => level(x as i64 - u as i64, y as i64 - v as i64),
+        _ => grass(x, y),
+    }))
+}
+
+#[test]
+fn a_uniform_object_on_texture_has_a_window_with_texture() {
+    let at = |t: usize| [40.0 + 2.0 * t as f64, 48.0];
+    let frames = (0..12).map(|t| before_grass(Some(at(t)), |_, _| 200)).collect();
+    let clip = Clip::from_frames("uniform", frames).expect("frames of one size");
+    let field = run(&*set("correlation-filter", &[("region", "34,42,46,54")]), &clip);
+    assert_eq!(field.frames.len(), 12, "it is not refused");
+    let [x, y] = field.frames[11].region.center;
+    let off = f64::from(x - at(11)[0] as f32).hypot(f64::from(y) - 48.0);
+    assert!(off < 2.0 && field.frames.iter().all(|frame| !frame.is_lost), "{off} px off");
+}
+
+#[test]
+fn ground_that_stays_behind_an_object_is_no_match() {
+    // The disc stops, the filter learns the grass around it, and then the disc is gone.
+    let at = |t: usize| [40.0 + 2.0 * t.min(8) as f64, 48.0];
+    let pattern = |u: i64, v: i64| 120 + noise((u + 40) as usize / 3, (v + 40) as usize / 3, 9) / 2;
+    let frame = |t: usize| before_grass((t < 20).then(|| at(t)), pattern);
+    let clip = Clip::from_frames("gone", (0..30).map(frame).collect()).expect("frames of one size");
+    let filter = set("correlation-filter", &[("region", "29,37,51,59")]);
+    let field = run(&*filter, &clip);
+    let (before, after) = field.frames.split_at(20);
+    assert!(before.iter().all(|frame| !frame.is_lost), "the disc is followed: {before:?}");
+    assert!(after.iter().all(|frame| frame.is_lost), "the disc is gone: {after:?}");
+    let unaided = after.iter().filter(|frame| frame.similarity >= 7.0).count();
+    assert!(unaided > 5, "the peak-to-sidelobe ratio alone would not tell: {after:?}");
+    let end = conclusion(&*filter, &clip);
+    assert!(end.contains("lost") && end.contains("holds its surroundings"), "{end}");
+    // A pattern that turns is another, but not the ground: that is doubt and no loss.
+    let turned = |u: i64, v: i64| pattern(-v, u);
+    let frame = |t: usize| before_grass(Some(at(t)), |u, v| if t < 14 { pattern(u, v) } else { turned(u, v) });
+    let clip = Clip::from_frames("turned", (0..24).map(frame).collect()).expect("frames of one size");
+    let field = run(&*filter, &clip);
+    let lost = field.frames.iter().filter(|frame| frame.is_lost && frame.similarity >= 7.0).count();
+    assert_eq!(lost, 0, "{:?}", field.frames);
+    let end = conclusion(&*filter, &clip);
+    assert!(end.contains("cannot tell these apart"), "{end}");
+}
+
 #[test]
 fn colours_that_are_gone_are_said() {
     let red = Frame::rgb(Grid::from_fn(64, 48, |x, y| [200, noise(x, y, 1) / 8, 20]));

@@ -349,6 +349,23 @@ fn planes_and_spheres_with_texture_are_reconstructed() {
         assert_eq!(value("bad3_percent"), Some(100.0 * error.bad3));
         assert_eq!((value("bad1"), value("d1_percent")), (Some(error.bad1), Some(100.0 * error.d1)));
         assert_eq!(value("epe_px"), Some(error.epe_px));
+        // The measured pixels alone: those that passed all tests, without the filled ones.
+        let is_measured = |x: usize, y: usize| {
+            field.map.0[(x, y)].is_finite() && field.filled.as_ref().is_none_or(|filled| !filled.get(x, y))
+        };
+        let places = (0..truth.0.height()).flat_map(|y| (0..truth.0.width()).map(move |x| (x, y)));
+        let measured: Vec<_> = places.filter(|at| truth.0[*at].is_finite() && is_measured(at.0, at.1)).collect();
+        let wrong = measured.iter().filter(|at| (field.map.0[**at] - truth.0[**at]).abs() > 3.0).count();
+        let share = 100.0 * wrong as f64 / measured.len() as f64;
+        let found = value("bad3_measured_percent").expect("measured pixels");
+        assert!(
+            (found - share).abs() < 1e-9 && share < 100.0 * error.bad3,
+            "{id}: {found} % and {share} % of the measured"
+        );
+        let mut walk = set(id, &[]).walk(&clip, 0).expect("a walk");
+        walk.jump(Move::End);
+        let said = walk.step(None).sentence.plain();
+        assert!(said.contains(&format!("with a known truth, {share:.1} % are wrong")), "{id}: {said}");
     }
 }
 

@@ -58,6 +58,9 @@ pub fn compare(args: &CompareArgs) -> Result<(), Error> {
         if rows.is_empty() {
             refuse_losses(&inputs(args, &source, &clip, &given), &places(args), args.force)?;
             tell_truth(&clip);
+            for compared in &compared_estimators {
+                task::warn_of_unplaced(&*compared.estimator, (&source, &clip), frame);
+            }
         }
         let conditions = Conditions { clip: &clip, frame, threads: &threads, repeats };
         for compared in &compared_estimators {

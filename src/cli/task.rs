@@ -12,7 +12,9 @@ use crate::experiment::comparison;
 use crate::experiment::pixel::Chosen;
 use crate::experiment::side_by_side::SideBySide;
 use crate::experiment::source::Source;
-use crate::experiment::{Experiment, Position, Prepared, first_known_pair, is_of_pair, told_of_pair, unplaced};
+use crate::experiment::{
+    Experiment, Position, Prepared, first_known_pair, is_of_pair, told_of_pair, told_of_unplaced, unplaced,
+};
 use crate::media::export::{InputKind, Inputs};
 use crate::media::{self, Given, Open};
 use crate::paint::primitive::Rect;
@@ -126,7 +128,7 @@ pub fn prepare(args: &TaskArgs, experiment: Experiment) -> Result<Prepared, Erro
         inputs.add(InputKind::Session, session);
         prepared.inputs = Arc::new(inputs);
     }
-    let Prepared { experiment: Experiment { estimator, side_by_side, frame, .. }, clip, .. } = &mut prepared;
+    let Prepared { experiment: Experiment { source, estimator, side_by_side, frame, .. }, clip, .. } = &mut prepared;
     if let Some((first, last)) = args.frames {
         if let Some(count) = clip.info().frames.filter(|&count| last >= count) {
             let end = count.saturating_sub(1);
@@ -146,14 +148,17 @@ pub fn prepare(args: &TaskArgs, experiment: Experiment) -> Result<Prepared, Erro
     }
     side_by_side.check(&**estimator)?;
     warn_of_idle(&side_by_side.all(&**estimator), &args.set);
-    if let Some(spec) = unplaced(&**estimator, clip, *frame) {
-        remark(&format!(
-            "warning: no {} is placed on an object, so one in the middle of the frame is taken; give --set {}=LEFT,TOP,RIGHT,BOTTOM",
-            spec.label.to_lowercase(),
-            spec.name
-        ));
+    for estimator in side_by_side.all(&**estimator) {
+        warn_of_unplaced(estimator, (&*source, clip), *frame);
     }
     Ok(prepared)
+}
+
+/// Asks for the rectangle that a run on a clip of one's own begins with, where none is placed.
+pub fn warn_of_unplaced(estimator: &dyn AnyEstimator, opened: (&Source, &Clip), frame: usize) {
+    if let Some(spec) = unplaced(estimator, opened, frame) {
+        remark(&format!("warning: {}; give --set {}=LEFT,TOP,RIGHT,BOTTOM", told_of_unplaced(spec), spec.name));
+    }
 }
 
 /// Begins with the first pair whose true flow is known, as the window does, unless a frame or a session is named.

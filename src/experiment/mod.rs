@@ -149,16 +149,20 @@ pub fn repeated_note(t: usize) -> String {
     format!("Frames {t} and {} are identical, so nothing moves between them; choose another pair.", t + 1)
 }
 
-/// What is to be placed on the object before a run is about it: a region of the first frame that is neither placed nor that of a true
-/// object.
-pub fn unplaced(estimator: &dyn AnyEstimator, clip: &Clip, frame: usize) -> Option<&'static Spec> {
+/// The rectangle to be placed on the object before a run is about it: in a clip of one's own, where none is placed and the truth gives none.
+/// A bundled scene declares its objects, or is about the whole picture.
+pub fn unplaced(estimator: &dyn AnyEstimator, (source, clip): (&Source, &Clip), frame: usize) -> Option<&'static Spec> {
     let has_object =
-        clip.truth().is_some_and(|truth| matches!(truth.objects(frame), Ok(Some(objects)) if !objects.is_empty()));
-    let is_region =
-        |spec: &&Spec| matches!(&spec.kind, Kind::Optional { of, .. } if matches!(**of, Kind::Placed(Figure::Zone)));
-    let spec = estimator.specs().iter().find(is_region).filter(|_| !has_object)?;
-    let is_unset = estimator.get(&spec.name).is_ok_and(|value| value == spec.default);
-    is_unset.then_some(spec)
+        || clip.truth().is_some_and(|truth| matches!(truth.objects(frame), Ok(Some(objects)) if !objects.is_empty()));
+    let is_at_default = |spec: &&Spec| estimator.get(&spec.name).is_ok_and(|value| value == spec.default);
+    let spec = estimator.specs().iter().find(|spec| matches!(spec.kind, Kind::Placed(Figure::Zone)))?;
+    let is_asked = is_at_default(&spec) && estimator.why_idle(&spec.name).is_none();
+    (is_asked && !matches!(source, Source::Synth { .. }) && !clip.is_blank() && !has_object()).then_some(spec)
+}
+
+/// The rectangle that is taken where `spec` is not placed, as a clause.
+pub fn told_of_unplaced(spec: &Spec) -> String {
+    format!("no {} is placed on an object, so one near the middle of the frame is taken", spec.label.to_lowercase())
 }
 
 /// What is said of that pair.

@@ -48,6 +48,23 @@ fn clicks_measure_an_object_frame_by_frame() {
 }
 
 #[test]
+fn a_tracker_asks_for_the_object_of_a_clip_of_ones_own() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for t in 0..3u32 {
+        let picture = image::GrayImage::from_fn(64, 48, |x, y| image::Luma([((x + t) * 7 % 60 + y * 3) as u8]));
+        picture.save(folder.path().join(format!("wave_{t}.png"))).expect("a picture");
+    }
+    let mut window = Window::with(vec2(1440.0, 900.0), Start { open: Some(folder.path().into()) });
+    for (name, asked) in [("Mean shift", "No region"), ("Template matching", "No template")] {
+        let now = window.app().document().estimator().info().name;
+        window.click(&format!("Estimator: {now}"));
+        window.click(name);
+        let message = window.app().message().unwrap_or_default().to_owned();
+        assert!(message.starts_with(asked) && message.contains("choose Place"), "{name}: {message}");
+    }
+}
+
+#[test]
 fn a_spot_is_dragged_and_taken_away() {
     let mut window = window("kalman-filter", "0.0");
     window.click("Place clicks");

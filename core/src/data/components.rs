@@ -159,6 +159,22 @@ impl Labelling {
     }
 }
 
+/// Returns `mask` without its connected components of fewer than `least` pixels: its area opening (L. Vincent, Morphological area
+/// openings and closings for grayscale images, Shape in Picture, 1992).
+pub fn area_opened(mut mask: Mask, connectivity: Connectivity, least: usize) -> Mask {
+    let labelling = Labelling::of(&mask, connectivity);
+    let finals = labelling.finals();
+    let label = |run: &Run| finals.labels[run.label as usize] as usize - 1;
+    let mut areas = vec![0; finals.count as usize];
+    labelling.runs.iter().for_each(|run| areas[label(run)] += (run.end - run.start) as usize);
+    for run in labelling.runs.iter().filter(|run| areas[label(run)] < least) {
+        mask.write_row(run.y as usize, |words| {
+            (run.start as usize..run.end as usize).for_each(|x| words[x / 64] &= !(1 << (x % 64)));
+        });
+    }
+    mask
+}
+
 /// The components' labels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finals {
@@ -307,6 +323,16 @@ mod tests {
             }
         }
         (labels, count)
+    }
+
+    #[test]
+    fn an_area_opening_keeps_thin_lines_and_removes_specks() {
+        let is_line = |x: usize, y: usize| x == 70 && (10..20).contains(&y) || x == y + 20 && (20..29).contains(&y);
+        let is_speck = |x: usize, y: usize| y % 4 == 0 && x % 9 == 0 && y > 32 || y == 2 && (60..68).contains(&x);
+        let mask = Mask::from_fn(100, 40, |x, y| is_line(x, y) || is_speck(x, y));
+        let kept = area_opened(mask.clone(), Connectivity::Eight, 9);
+        assert!(kept == Mask::from_fn(100, 40, is_line) && kept != mask);
+        assert!(area_opened(mask.clone(), Connectivity::Eight, 1) == mask);
     }
 
     #[test]

@@ -13,7 +13,7 @@ mod stereo;
 mod true_mask;
 
 pub use clip::{Clip, ClipInfo, DepthSource, Flow, Frame, FrameSource, ObjectBox, Truth};
-pub use components::{Connectivity, Event as LabelEvent, Finals, Labelling, Run};
+pub use components::{Connectivity, Event as LabelEvent, Finals, Labelling, Run, area_opened};
 pub use detection::{Blob, Detection};
 pub use histogram::{Counted, Histogram};
 pub(crate) use interpolation::Between;

@@ -46,9 +46,11 @@ pub struct DisparityError {
     pub without_partner: usize,
     /// Share of the other pixels with known truth that are wrong by more than 3 px, or have no estimate; `None` if there are none.
     pub bad3_with_partner: Option<f64>,
+    /// Share of the pixels with known truth and an estimate that are wrong by more than 3 px.
+    pub bad3_compared: f64,
 }
 
-const MEASURES: [Measure; 7] = [
+const MEASURES: [Measure; 8] = [
     Measure::new("epe_px", "Mean absolute error of the disparity in px over the pixels with known truth and an estimate.")
         .in_column("EPE px", 3)
         .against_truth(),
@@ -77,6 +79,13 @@ const MEASURES: [Measure; 7] = [
     )
     .in_column("bad 3 % with partner", 1)
     .against_truth(),
+    Measure::new(
+        "bad3_measured_percent",
+        "Percentage of the measured pixels with known truth whose disparity is wrong by more than 3 px: pixels without an estimate and filled \
+         ones do not count. It belongs to the share of measured pixels.",
+    )
+    .in_column("bad 3 % measured", 1)
+    .against_truth(),
     Measure::new("measured_share", "Share of the pixels that have a measured disparity; filled ones are not measured."),
     Measure::new("disparity_coverage", "Share of the pixels that have a disparity, measured or filled.").in_percent("disparity coverage %", "disparity_coverage_percent"),
 ];
@@ -93,7 +102,7 @@ pub fn disparity_error(found: &Disparity, truth: &Disparity) -> Result<Option<Di
         )));
     }
     let (mut sum, mut compared, mut known) = (0.0, 0, 0);
-    let [mut bad1, mut bad3, mut d1, mut without_partner, mut bad3_with_partner] = [0; 5];
+    let [mut bad1, mut bad3, mut d1, mut without_partner, mut bad3_with_partner, mut bad3_compared] = [0; 6];
     let width = truth.0.width().max(1);
     for (place, (&found, &truth)) in found.0.cells().iter().zip(truth.0.cells()).enumerate() {
         if !truth.is_finite() {
@@ -114,6 +123,7 @@ pub fn disparity_error(found: &Disparity, truth: &Disparity) -> Result<Option<Di
         if error.is_finite() {
             sum += error;
             compared += 1;
+            bad3_compared += usize::from(error > 3.0);
         }
     }
     if compared == 0 {
@@ -124,7 +134,18 @@ pub fn disparity_error(found: &Disparity, truth: &Disparity) -> Result<Option<Di
     let with_partner = known - without_partner;
     let bad3_with_partner = (with_partner > 0).then(|| bad3_with_partner as f64 / with_partner as f64);
     let epe_px = sum / compared as f64;
-    Ok(Some(DisparityError { epe_px, bad1, bad3, d1, compared, known, without_partner, bad3_with_partner }))
+    let bad3_compared = bad3_compared as f64 / compared as f64;
+    Ok(Some(DisparityError {
+        epe_px,
+        bad1,
+        bad3,
+        d1,
+        compared,
+        known,
+        without_partner,
+        bad3_with_partner,
+        bad3_compared,
+    }))
 }
 
 impl DisparityField {
@@ -138,6 +159,14 @@ impl DisparityField {
         })?;
         let depth = |d: &f32| calibration.depth_m(f64::from(*d)).map_or(f32::NAN, |depth| depth as f32);
         Ok(self.map.0.map(|d| if d.is_finite() { depth(d) } else { f32::NAN }))
+    }
+
+    /// The measured disparities alone: unknown where one was filled in.
+    fn measured(&self) -> Disparity {
+        let Some(filled) = &self.filled else { return self.map.clone() };
+        let (width, height) = self.map.0.size();
+        let of = |x, y| if filled.get(x, y) { Disparity::UNKNOWN } else { self.map.0[(x, y)] };
+        Disparity(Grid::from_fn(width, height, of))
     }
 
     /// The disparities as displacements (−d, 0) from the left to the right view.
@@ -230,21 +259,24 @@ impl Product for DisparityField {
                 Some(flow) => Some(metrics::distribution(&metrics::endpoint_errors(&shifts[0], &shifts[1])?, &flow)),
                 None => None,
             };
-            Ok(disparity_error(&self.map, &truth)?.map(|error| (error, distribution)))
+            let measured = disparity_error(&self.measured(), &truth)?;
+            Ok(disparity_error(&self.map, &truth)?.map(|error| (error, measured, distribution)))
         });
         let own = self.own_facts(reference)?;
         Ok(match compared {
             Err(error) => unscored(format!("unknown: {error}"), Some(error)),
             Ok(None) => unscored("unknown: no true disparity for this frame; open one to see errors".into(), None),
-            Ok(Some((error, errors))) => {
+            Ok(Some((error, measured_error, errors))) => {
                 let DisparityError { epe_px, bad1, bad3, d1, without_partner, bad3_with_partner, .. } = error;
                 let with_partner = bad3_with_partner.map(|share| 100.0 * share);
-                let values: [Figure; 7] = [
+                let measured_bad3 = measured_error.map(|error| 100.0 * error.bad3_compared);
+                let values: [Figure; 8] = [
                     epe_px.into(),
                     bad1.into(),
                     (100.0 * bad3).into(),
                     (100.0 * d1).into(),
                     with_partner.into(),
+                    measured_bad3.into(),
                     measured.into(),
                     coverage.into(),
                 ];
@@ -258,6 +290,10 @@ impl Product for DisparityField {
                     let without = format!("{share:.1} % wrong by more than 3 px");
                     facts.push(fact("Without the left border", without));
                 }
+                facts.extend(measured_error.zip(measured_bad3).map(|(error, share)| {
+                    let of = grouped(error.compared);
+                    fact("Measured alone", format!("{share:.1} % of {of} pixels wrong by more than 3 px"))
+                }));
                 let headline = format!("{:.1} % wrong by more than 3 px", 100.0 * bad3);
                 Assessment { headline, errors, ..Assessment::default() }.with(scores(&MEASURES, values), facts)
             }
@@ -286,6 +322,7 @@ mod tests {
         assert!((error.epe_px - 16.5 / 6.0).abs() < 1e-12);
         // Partners lie inside the right view from x = 10 px on, but that of the last pixel.
         assert_eq!((error.without_partner, error.bad3_with_partner), (6, Some(0.0)));
+        assert_eq!(error.bad3_compared, 3.0 / 6.0);
         assert_eq!(disparity_error(&map(&[unknown]), &map(&[3.0])).unwrap(), None);
         assert!(disparity_error(&map(&[1.0]), &map(&[1.0, 2.0])).is_err());
     }

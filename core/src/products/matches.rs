@@ -24,7 +24,7 @@ pub struct Match {
     pub to: [f32; 2],
     /// Distance of the descriptors.
     pub distance: f32,
-    /// Distance divided by that of the second nearest neighbour, if there is one.
+    /// Distance divided by that of the second nearest neighbour, if there is one; undefined where both are 0.
     pub ratio: Option<f32>,
     /// Outcome.
     pub status: MatchStatus,

@@ -14,6 +14,8 @@ pub struct Rough {
     pub drift: [f64; 2],
     /// Standard deviation of the noise in gray levels.
     pub noise: f64,
+    /// Share of the pixels with five times as much noise.
+    pub speckle: f64,
     /// Standard deviation of the brightness, as a share.
     pub flicker: f64,
     /// Brightness of a cast shadow, as a share of the lit surface; 1 for none.
@@ -23,7 +25,17 @@ pub struct Rough {
 impl Default for Rough {
     fn default() -> Self {
         let drift = [0.0; 2];
-        Self { size: (320, 240), frames: 100, seed: 1, shake: 0.3, drift, noise: 3.0, flicker: 0.01, shadow: 0.6 }
+        Self {
+            size: (320, 240),
+            frames: 100,
+            seed: 1,
+            shake: 0.3,
+            drift,
+            noise: 3.0,
+            speckle: 0.0,
+            flicker: 0.01,
+            shadow: 0.6,
+        }
     }
 }
 
@@ -140,7 +152,9 @@ impl Rough {
         let mask = Mask::from_fn(width, height, |x, y| {
             let (color, is_object) = self.look([x as f64 + camera[0], y as f64 + camera[1]], &cars, t as f64);
             let pixel = (y * width + x) as i64;
-            let noisy = |c: usize| gain * color[c] + self.noise * normal(self.seed + 40 + c as u64, t as i64, pixel);
+            let is_speckled = self.speckle > 0.0 && unit(self.seed + 60, t as i64, pixel) < self.speckle;
+            let noise = if is_speckled { 5.0 * self.noise } else { self.noise };
+            let noisy = |c: usize| gain * color[c] + noise * normal(self.seed + 40 + c as u64, t as i64, pixel);
             picture[(x, y)] = [0, 1, 2].map(|c| noisy(c).round().clamp(0.0, 255.0) as u8);
             is_object
         });

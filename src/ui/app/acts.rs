@@ -2,11 +2,11 @@
 
 use eframe::egui::ViewportCommand;
 use motionscope_core::compare::changed_alike;
-use motionscope_core::{AnyEstimator, Cursor, Direction, Error, Move, Params, estimator, stage};
+use motionscope_core::{AnyEstimator, Cursor, Direction, Error, Move, Params, capital, estimator, stage};
 
 use crate::experiment::comparison::Row;
 use crate::experiment::side_by_side::{Companion, SideBySide};
-use crate::experiment::unplaced;
+use crate::experiment::{told_of_unplaced, unplaced};
 use crate::paint::{FlowLayer, Phase, Theme, View};
 use crate::ui::app::action::Action;
 use crate::ui::app::commands::{Command, Menu};
@@ -413,13 +413,13 @@ impl App {
 
     /// Asks for the region of an object where a tracker has taken one in the middle of the frame.
     pub(super) fn ask_for_region(&mut self) {
-        let (estimator, frame) = (self.document.estimator(), self.document.frame());
-        let spec = self.document.clip().and_then(|clip| unplaced(estimator, clip, frame));
+        let (document, frame) = (&self.document, self.document.frame());
+        let opened = document.source().zip(document.clip());
+        let spec = opened.and_then(|opened| unplaced(document.estimator(), opened, frame));
         if let Some(spec) = spec {
             self.toasts.hint(format!(
-                "No {} is placed on an object, so one in the middle of the frame is taken: choose Place beside the parameter and drag \
-                 one on the first frame.",
-                spec.label.to_lowercase()
+                "{}: choose Place beside the parameter and drag one on the first frame.",
+                capital(&told_of_unplaced(spec))
             ));
         }
     }

@@ -278,7 +278,7 @@ impl PhaseCorrelation {
             Stage::Peak => state.peak = spectrum::peak(&whole(&state.cross), None).filter(|_| state.kept > 0),
             Stage::Second => {
                 state.second = state.peak.and_then(|peak| spectrum::peak(&whole(&state.cross), Some(peak)));
-                state.doubt = Doubt::of(state).filter(|_| state.is_significant());
+                state.doubt = Doubt::of(state);
             }
             Stage::Subpixel(i) => state.fraction[i] = self.fraction(state, i),
             Stage::Result => {}

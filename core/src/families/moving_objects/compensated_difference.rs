@@ -33,7 +33,7 @@ params! {
         /// 0 turns it off.
         shake: usize = 1, 0..=3, "px";
         /// The parameters of all background subtractions.
-        settings: Settings = Settings { opening: 0, closing: 4, ..Settings::default() };
+        settings: Settings = Settings { opening: 0, area_opening: 9, closing: 4, ..Settings::default() };
     }
 }
 

@@ -42,7 +42,7 @@ params! {
         /// Threshold on the difference or on the brightness, in gray levels. Not used with pixels = foreground.
         threshold: usize = 8, 0..=255;
         /// The parameters of all background subtractions.
-        settings: Settings = Settings { opening: 0, closing: 4, ..Settings::default() };
+        settings: Settings = Settings { opening: 0, area_opening: 9, closing: 4, ..Settings::default() };
     }
     renamed { "open" => "opening", "close" => "closing" }
     when {

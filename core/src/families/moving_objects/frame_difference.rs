@@ -28,7 +28,7 @@ params! {
         /// The treatment of a camera that is not quite at rest.
         steady: Steadiness = Steadiness { shake: 0, ..Steadiness::default() };
         /// The parameters of all background subtractions.
-        settings: Settings = Settings { opening: 0, closing: 4, ..Settings::default() };
+        settings: Settings = Settings { opening: 0, area_opening: 9, closing: 4, ..Settings::default() };
     }
     renamed { "compared" => "differencing", "open" => "opening", "close" => "closing" }
 }

@@ -7,12 +7,22 @@ use std::sync::Arc;
 use crate::base::{Observer, effort};
 use crate::data::{Clip, Frame};
 use crate::geometry::Bounds;
-use crate::methods::region::color::{Binning, Bins, Histogram, ellipse_rows};
+use crate::methods::region::color::{Binning, Bins, Histogram, ellipse_rows, surroundings};
 use crate::methods::region::{LOST, RegionModel, Settings, Similarity, WHERE};
 use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
 use crate::scene::{Case, Name, Question};
-use crate::{params, pseudocode};
+use crate::{choices, params, pseudocode};
+
+choices! {
+    /// Treatment of hues that the surroundings of the object have too.
+    pub enum Background {
+        /// Each hue counts by its share in the object alone, as Bradski does. The window spreads over a background that has the hue too.
+        Ignored = "ignored" "Ignored",
+        /// Each hue is multiplied by the share of its pixels, in the object and around it in the first frame, that lie in the object.
+        Weighted = "weighted" "Weighted",
+    }
+}
 
 params! {
     /// CamShift.
@@ -25,6 +35,8 @@ params! {
         min_saturation: f32 = 0.2, 0.0..=1.0;
         /// Smallest value (brightness) of a pixel with a hue, 0 to 1. The hue of dark pixels is noise.
         min_value: f32 = 0.1, 0.0..=1.0;
+        /// Treatment of hues that the surroundings of the object have too.
+        background: Background = Background::Weighted;
         /// Maximum number of shifts of the window from one frame to the next.
         iterations: usize = 10, 1..=100;
         /// Length of a shift below which the iteration has converged.
@@ -43,8 +55,10 @@ const LEAST_PX: f32 = 4.0;
 pub struct Model {
     /// The histogram of the object.
     histogram: Histogram,
-    /// The share of each bin relative to the fullest, 0 to 1.
+    /// The share of each bin relative to the fullest, 0 to 1; with the surroundings weighted if that is chosen.
     projection: Vec<f32>,
+    /// The share of the pixels with a hue of the object, in its box and around it, that lie in the object, weighted by the histogram.
+    own: f32,
     /// The search window: the box of the last region.
     window: Bounds,
     /// The ellipse of the first frame, and the mean back-projection in it.
@@ -210,7 +224,7 @@ fn mean_inside(bins: &mut Bins<'_>, projection: &[f32], region: Region) -> f32 {
 
 pseudocode! {
     CHOOSE: "R ← region of the object in the first frame",
-    BUILD_MODEL: "q ← hue histogram of the ellipse in R, divided by its largest bin",
+    BUILD_MODEL: "q ← hue histogram of the ellipse in R, if background times the share of each hue in R; divided by its largest bin",
     EACH_FRAME: "for each later frame t, from the last window W",
     PROJECT: "  P(x) ← q of the bin of pixel x: the back-projection",
     SHIFT: "  centre of W ← (M₁₀, M₀₁) / M₀₀ of P in W, until the shift < ε",
@@ -267,12 +281,18 @@ impl RegionModel for Camshift {
                 }
             }
         });
+        let around = surroundings(frame, binning, region);
+        let own_share = |(count, around): (&f32, &f32)| if *count > 0.0 { count / (count + around) } else { 0.0 };
+        let own: Vec<f32> = counts.iter().zip(&around).map(own_share).collect();
         let histogram = Histogram::new(binning, counts);
-        let most = histogram.shares.iter().copied().fold(0.0, f32::max);
-        let projection: Vec<f32> =
-            histogram.shares.iter().map(|share| if most > 0.0 { share / most } else { 0.0 }).collect();
+        let weight = |own: &f32| if self.background == Background::Weighted { *own } else { 1.0 };
+        let mut projection: Vec<f32> =
+            histogram.shares.iter().zip(&own).map(|(share, own)| share * weight(own)).collect();
+        let most = projection.iter().copied().fold(0.0, f32::max);
+        projection.iter_mut().for_each(|share| *share = if most > 0.0 { *share / most } else { 0.0 });
+        let own = histogram.shares.iter().zip(&own).map(|(share, own)| share * own).sum();
         let similarity = mean_inside(&mut bins, &projection, region);
-        let model = Model { histogram, projection, window: region.bounds(), first: (region, similarity) };
+        let model = Model { histogram, projection, own, window: region.bounds(), first: (region, similarity) };
         observer.see(|| Event::Modelled(Arc::new(model.clone())));
         (model, similarity)
     }

@@ -1,5 +1,6 @@
 //! The correlation filter MOSSE: learned to answer with a peak at the object, and updated in every frame.
 
+mod appearance;
 mod explain;
 mod lanes;
 mod perturbation;
@@ -18,6 +19,7 @@ use crate::run::{Info, Need};
 use crate::scene::{Case, Chart, Name, Question};
 use crate::{params, pseudocode};
 
+use appearance::{Appearance, Evidence};
 use lanes::Lanes;
 use transform::{Spectrum, Transform, hann};
 
@@ -56,7 +58,7 @@ params! {
 const MOST_PX: f32 = 512.0;
 /// The shortest side of a window in px.
 const LEAST_PX: f32 = 8.0;
-/// The smallest standard deviation of a region with texture, in gray levels.
+/// The smallest standard deviation of a window with texture, in gray levels.
 const LEAST_DEVIATION: f64 = 1.0;
 /// Sidelobes are farther from the peak than this, in px.
 const SIDELOBE_PX: usize = 5;
@@ -85,6 +87,8 @@ pub struct Model {
     numerator: Arc<Spectrum>,
     /// Denominator Σ F F*.
     energy: Arc<Vec<Lanes>>,
+    /// The region of the first frame.
+    first: Arc<Appearance>,
 }
 
 /// The response of a frame.
@@ -116,8 +120,8 @@ pub enum Event {
     Responded(Arc<Response>),
     /// The peak.
     Found(Arc<Response>),
-    /// The peak-to-sidelobe ratio.
-    Judged(Arc<Response>),
+    /// The peak-to-sidelobe ratio, and where the peak stands out the region there.
+    Judged(Arc<Response>, Option<Evidence>),
     /// The updated filter.
     Updated(Arc<Response>, Model),
 }
@@ -149,8 +153,7 @@ impl Model {
 
     /// The first pixel of the window around a centre.
     fn origin(&self, center: [f32; 2]) -> [i32; 2] {
-        let (width, height) = self.size();
-        [center[0].round() as i32 - width as i32 / 2, center[1].round() as i32 - height as i32 / 2]
+        origin(center, self.size())
     }
 
     /// A window of gray levels, prepared for the filter: for each level the logarithm without the mean of all pixels, of norm 1;
@@ -175,24 +178,9 @@ impl Model {
         patch
     }
 
-    /// The window of a frame, which is repeated beyond its border.
-    fn window(&self, luma: &Gray, [left, top]: [i32; 2]) -> Grid<f32> {
-        let (width, height) = self.size();
-        let columns = left as isize..left as isize + width as isize;
-        let is_inside = columns.start >= 0 && columns.end as usize <= luma.width();
-        let mut levels = Grid::new(width, height, 0);
-        for y in 0..height {
-            let source = luma.row(Border::Replicate.index(top as isize + y as isize, luma.height()));
-            let target = levels.row_mut(y);
-            match is_inside {
-                true => target.copy_from_slice(&source[columns.start as usize..][..width]),
-                false => {
-                    let at = |x| source[Border::Replicate.index(x, source.len())];
-                    target.iter_mut().zip(columns.clone()).for_each(|(level, x)| *level = at(x));
-                }
-            }
-        }
-        self.prepared(&levels)
+    /// The window of a frame.
+    fn window(&self, luma: &Gray, origin: [i32; 2]) -> Grid<f32> {
+        self.prepared(&levels(luma, origin, self.size()))
     }
 
     fn spectrum(&self, patch: &Grid<f32>) -> Spectrum {
@@ -214,6 +202,30 @@ impl Model {
         let displacement = displacement(&values, peak);
         Response { origin, patch, values, peak, displacement, psr, sidelobes: [mean, deviation] }
     }
+}
+
+/// The first pixel of a window of this size around a centre.
+fn origin(center: [f32; 2], (width, height): (usize, usize)) -> [i32; 2] {
+    [center[0].round() as i32 - width as i32 / 2, center[1].round() as i32 - height as i32 / 2]
+}
+
+/// The gray levels of the window of a frame, which is repeated beyond its border.
+fn levels(luma: &Gray, [left, top]: [i32; 2], (width, height): (usize, usize)) -> Gray {
+    let columns = left as isize..left as isize + width as isize;
+    let is_inside = columns.start >= 0 && columns.end as usize <= luma.width();
+    let mut levels = Grid::new(width, height, 0);
+    for y in 0..height {
+        let source = luma.row(Border::Replicate.index(top as isize + y as isize, luma.height()));
+        let target = levels.row_mut(y);
+        match is_inside {
+            true => target.copy_from_slice(&source[columns.start as usize..][..width]),
+            false => {
+                let at = |x| source[Border::Replicate.index(x, source.len())];
+                target.iter_mut().zip(columns.clone()).for_each(|(level, x)| *level = at(x));
+            }
+        }
+    }
+    levels
 }
 
 /// The number of pixels of each gray level.
@@ -313,26 +325,29 @@ impl CorrelationFilter {
     }
 }
 
-/// The standard deviation of the gray levels of a region.
-fn deviation(luma: &Gray, region: Region) -> f64 {
-    let bounds = region.bounds();
-    let low = bounds.min.map(|c| c.ceil().max(0.0) as usize);
-    let high = [0, 1].map(|i| (bounds.max[i].floor() + 1.0).min([luma.width(), luma.height()][i] as f32) as usize);
-    let levels = (low[1]..high[1]).flat_map(|y| luma.row(y)[low[0]..high[0]].iter().map(|v| f64::from(*v)));
-    let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0);
-    levels.for_each(|v| (sum, squares, count) = (sum + v, squares + v * v, count + 1.0));
-    let mean: f64 = sum / f64::max(count, 1.0);
-    (squares / f64::max(count, 1.0) - mean * mean).max(0.0).sqrt()
+/// The standard deviation of the gray levels of a window, weighted by the window function.
+fn deviation(levels: &Gray) -> f64 {
+    let [across, down] = [hann(levels.width()), hann(levels.height())];
+    let mut sums = [0.0; 3];
+    for (y, down) in down.iter().enumerate() {
+        for (level, across) in levels.row(y).iter().zip(&across) {
+            let (weight, level) = (f64::from(across * down), f64::from(*level));
+            sums = [sums[0] + weight, sums[1] + weight * level, sums[2] + weight * level * level];
+        }
+    }
+    let [sum, levels, squares] = sums;
+    let mean = levels / sum.max(f64::MIN_POSITIVE);
+    (squares / sum.max(f64::MIN_POSITIVE) - mean * mean).max(0.0).sqrt()
 }
 
 pseudocode! {
-    CHOOSE: "R ← region of the object in the first frame; stop if it has no texture",
+    CHOOSE: "R ← region of the object in the first frame; stop if its window has no texture",
     LEARN: "H* ← Σ G F* / Σ F F*, F ← transforms of the window and of its perturbations, G ← that of a Gaussian",
     EACH_FRAME: "for each later frame t",
     CUT: "  f ← log of the window at the last position, mean 0, norm 1, times the Hann window; F ← its transform",
     RESPOND: "  g ← inverse transform of F H*: the response",
     TAKE_PEAK: "  d ← place of the highest g, with a parabola along x and y",
-    JUDGE: "  PSR ← (peak − mean of the sidelobes) / their standard deviation; lost if PSR < min-psr",
+    JUDGE: "  PSR ← (peak − mean of the sidelobes) / their standard deviation; lost if PSR < min-psr, or if the region holds its surroundings",
     UPDATE: "  A ← η G F* + (1 − η) A, B ← η F F* + (1 − η) B at the new position; H* ← A / B",
     MOVE: "  the region moves by d, unless the object is lost",
 }
@@ -354,7 +369,7 @@ impl RegionModel for CorrelationFilter {
             "accepted",
             "Does the peak stand out from the sidelobes?",
             &[
-                Case::says(line::JUDGE, "the match is accepted", "Yes: accepted"),
+                Case::says(line::JUDGE, "the peak stands out", "Yes"),
                 Case::says(line::JUDGE, "The peak does not stand out", "No: lost"),
             ],
         ),
@@ -376,10 +391,14 @@ impl RegionModel for CorrelationFilter {
     }
 
     fn refusal(&self, frame: &Frame, region: Region) -> Option<String> {
-        let deviation = deviation(frame.luma(), region);
+        let size = self.window_of(region);
+        let deviation = deviation(&levels(frame.luma(), origin(region.center, size), size));
         (deviation < LEAST_DEVIATION).then(|| {
             format!(
-                "its gray levels have a standard deviation of {}, below {}, and without texture there is nothing to correlate with.",
+                "the gray levels of its window of {}×{} px have a standard deviation of {} under the window function, below {}, and without \
+                 texture there is nothing to correlate with.",
+                size.0,
+                size.1,
                 crate::base::words::fixed(deviation, 2),
                 crate::base::words::fixed(LEAST_DEVIATION, 2)
             )
@@ -387,14 +406,15 @@ impl RegionModel for CorrelationFilter {
     }
 
     fn begin(&self, frame: &Arc<Frame>, region: Region, observer: &mut impl Observer<Event>) -> (Model, f32) {
-        let fixed = self.fixed(self.window_of(region));
+        let (luma, size) = (frame.luma(), self.window_of(region));
+        let fixed = self.fixed(size);
         let count = fixed.transform.length();
         let mut model = Model {
             fixed: Arc::new(fixed),
             numerator: Arc::new(vec![Complex::default(); count]),
             energy: Arc::new(vec![Lanes::default(); count]),
+            first: Arc::new(Appearance::of(luma, region, size)),
         };
-        let luma = frame.luma();
         let own = model.window(luma, model.origin(region.center));
         model.add(&model.spectrum(&own), 1.0, 1.0);
         for index in 0..self.perturbations {
@@ -421,16 +441,17 @@ impl RegionModel for CorrelationFilter {
         observer.see(|| Event::Cut(Arc::clone(&response)));
         observer.see(|| Event::Responded(Arc::clone(&response)));
         observer.see(|| Event::Found(Arc::clone(&response)));
-        observer.see(|| Event::Judged(Arc::clone(&response)));
-        let similarity = response.psr;
-        if response.psr < self.min_psr {
-            return RegionFrame { region, similarity, is_lost: true };
-        }
         let center = [0, 1].map(|i| {
             // The filter answers to the whole pixel that the window is around.
             let moved = region.center[i].round() + response.displacement[i];
             moved.clamp(-0.5, [frame.size().0, frame.size().1][i] as f32 - 0.5)
         });
+        let evidence = (response.psr >= self.min_psr).then(|| model.first.compare(frame.luma(), center, model.size()));
+        observer.see(|| Event::Judged(Arc::clone(&response), evidence));
+        let similarity = response.psr;
+        if evidence.is_none_or(|evidence| evidence.is_gone()) {
+            return RegionFrame { region, similarity, is_lost: true };
+        }
         let patch = model.window(frame.luma(), model.origin(center));
         model.add(&model.spectrum(&patch), 1.0 - self.learning_rate, self.learning_rate);
         observer.see(|| Event::Updated(Arc::clone(&response), model.clone()));
@@ -456,7 +477,7 @@ impl RegionModel for CorrelationFilter {
             Event::Cut(_) => line::CUT,
             Event::Responded(_) => line::RESPOND,
             Event::Found(_) => line::TAKE_PEAK,
-            Event::Judged(_) => line::JUDGE,
+            Event::Judged(..) => line::JUDGE,
             Event::Updated(..) => line::UPDATE,
         }
     }

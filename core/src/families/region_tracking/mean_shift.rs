@@ -6,8 +6,7 @@ use std::sync::Arc;
 
 use crate::base::{Observer, effort};
 use crate::data::{Clip, Frame};
-use crate::geometry::Bounds;
-use crate::methods::region::color::{Binning, Bins, ColorBins, Histogram, add_kernel, ellipse_rows};
+use crate::methods::region::color::{Bins, ColorBins, Histogram, add_kernel, ellipse_rows, surroundings};
 use crate::methods::region::{LOST, RegionModel, Settings, Similarity, WHERE};
 use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
@@ -50,8 +49,6 @@ params! {
 const SCALE_STEP: f32 = 0.1;
 /// The part of the way to the best size that is taken.
 const SCALE_RATE: f32 = 0.1;
-/// Extent of the surroundings as a multiple of that of the object: the area around it is three times its own.
-const AROUND: f32 = 2.0;
 /// An ellipse is not smaller than this, in px.
 const LEAST_PX: f32 = 4.0;
 
@@ -226,26 +223,6 @@ impl MeanShift {
     }
 }
 
-/// The histogram of the surroundings of a region: what lies around its box, up to twice its extent.
-fn surroundings(frame: &Frame, binning: Binning, region: Region) -> Histogram {
-    let (inner, outer) = (region.bounds(), region.scaled(AROUND).bounds());
-    let mut bins = Bins::new(frame, binning);
-    bins.cover(outer);
-    let mut counts = vec![0.0; binning.count()];
-    bins.rows(outer, |row, first, y| {
-        let is_inside = |x: f32, y: f32| {
-            let Bounds { min, max } = inner;
-            (min[0]..=max[0]).contains(&x) && (min[1]..=max[1]).contains(&y)
-        };
-        for (i, bin) in row.iter().enumerate() {
-            if !is_inside((first + i) as f32, y as f32) {
-                counts[usize::from(*bin)] += 1.0;
-            }
-        }
-    });
-    Histogram::new(binning, counts)
-}
-
 /// The histogram `of` an object with each bin multiplied by min(o*/o, 1), where o is the share of the surroundings and o* the
 /// smallest of these above 0.
 fn weighted(of: &Histogram, around: &Histogram) -> Histogram {
@@ -313,7 +290,7 @@ impl RegionModel for MeanShift {
         if self.background == Background::Ignored {
             return (Model { histogram: Arc::new(own), first: 1.0 }, 1.0);
         }
-        let around = surroundings(frame, binning, region);
+        let around = Histogram::new(binning, surroundings(frame, binning, region));
         let weighted = weighted(&own, &around);
         let similarity = weighted.coefficient(&own.shares);
         observer.see(|| Event::Weighted(Arc::new([own, around, weighted.clone()])));

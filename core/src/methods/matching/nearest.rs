@@ -23,8 +23,8 @@ pub enum Event {
     Found(Neighbors),
     /// The ratio of both distances is compared with its limit.
     Ratio {
-        /// The ratio.
-        ratio: f32,
+        /// The ratio; none where both distances are 0.
+        ratio: Option<f32>,
         /// Whether it passes.
         passes: bool,
     },
@@ -49,10 +49,10 @@ pub struct Neighbors {
 }
 
 impl Neighbors {
-    /// The ratio of both distances. Of two distances of 0 it is undefined and counts as 1: neither is nearer.
+    /// The ratio of both distances; none without a second neighbour, and undefined where both distances are 0.
     pub fn ratio(&self) -> Option<f32> {
         let ((_, first), (_, second)) = (self.first?, self.second?);
-        Some(if second > 0.0 { first / second } else { 1.0 })
+        (second > 0.0).then(|| first / second)
     }
 }
 
@@ -147,8 +147,10 @@ impl Candidates<'_> {
     }
 
     fn judge(&self, index: usize, nearest: usize, of: &Neighbors, observer: &mut impl Observer<Event>) -> MatchStatus {
-        if let Some(ratio) = of.ratio().filter(|_| self.ratio < 1.0) {
-            let passes = ratio < self.ratio;
+        if self.ratio < 1.0 && of.second.is_some() {
+            // Of two exact matches neither is nearer.
+            let ratio = of.ratio();
+            let passes = ratio.is_some_and(|ratio| ratio < self.ratio);
             observer.see(|| Event::Ratio { ratio, passes });
             if !passes {
                 return MatchStatus::RejectedRatio;

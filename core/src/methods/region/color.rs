@@ -288,6 +288,28 @@ pub(crate) fn add_kernel(bins: &Bins<'_>, region: Region, histogram: &mut [f32])
     sum
 }
 
+/// Extent of the surroundings as a multiple of that of the object: the area around it is three times its own.
+const AROUND: f32 = 2.0;
+
+/// The number of pixels of each bin around the box of a region, up to twice its extent.
+pub(crate) fn surroundings(frame: &Frame, binning: Binning, region: Region) -> Vec<f32> {
+    let (inner, outer) = (region.bounds(), region.scaled(AROUND).bounds());
+    let mut bins = Bins::new(frame, binning);
+    bins.cover(outer);
+    let mut counts = vec![0.0; binning.count()];
+    bins.rows(outer, |row, first, y| {
+        let is_inside = |x: f32, y: f32| {
+            let Bounds { min, max } = inner;
+            (min[0]..=max[0]).contains(&x) && (min[1]..=max[1]).contains(&y)
+        };
+        for (i, bin) in row.iter().enumerate() {
+            let count = counts.get_mut(usize::from(*bin));
+            count.filter(|_| !is_inside((first + i) as f32, y as f32)).into_iter().for_each(|count| *count += 1.0);
+        }
+    });
+    counts
+}
+
 /// A histogram of shares, with sum 1.
 #[derive(Clone, Debug)]
 pub(crate) struct Histogram {

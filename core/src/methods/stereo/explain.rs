@@ -60,7 +60,11 @@ pub(crate) fn concluded(views: &Views, settings: &Settings, kept: &[Kept]) -> St
     );
     if let Some(truth) = &views.truth {
         let (width, height) = views.size();
-        let map = Disparity(Grid::from_fn(width, height, |x, y| kept[y * width + x].disparity));
+        let of = |is_kept: &dyn Fn(&Kept) -> bool| {
+            let known = |kept: &Kept| if is_kept(kept) { kept.disparity } else { Disparity::UNKNOWN };
+            Disparity(Grid::from_fn(width, height, |x, y| known(&kept[y * width + x])))
+        };
+        let map = of(&|_| true);
         if let Ok(Some(error)) = disparity_error(&map, truth) {
             told += &format!(
                 " Against the truth, {} % are wrong by more than 3 px or have no disparity; the mean error of all estimates \
@@ -75,6 +79,13 @@ pub(crate) fn concluded(views: &Views, settings: &Settings, kept: &[Kept]) -> St
                     fixed(100.0 * share, 1)
                 );
             }
+        }
+        if let Ok(Some(error)) = disparity_error(&of(&|kept| kept.verdict == Verdict::Accepted), truth) {
+            told += &format!(
+                " Of the {} measured pixels with a known truth, {} % are wrong.",
+                grouped(error.compared),
+                fixed(100.0 * error.bad3_compared, 1)
+            );
         }
     }
     if let Some(warning) = views.signs(settings.disparities).warning().filter(|_| views.is_stereo) {

@@ -11,6 +11,9 @@ params! {
         /// Radius r of the opening (erosion, then dilation with a (2r + 1)×(2r + 1) square). It removes regions narrower than the square;
         /// 0 turns it off.
         opening: usize = 1, 0..=15, "px";
+        /// Area of the area opening: connected components of fewer pixels are removed before the closing joins them. Unlike the opening it
+        /// removes single pixels of noise and keeps lines that are 1 px wide; 0 turns it off.
+        area_opening: usize = 0, 0..=1000, "px";
         /// Radius r of the closing (dilation, then erosion with a (2r + 1)×(2r + 1) square). It fills gaps narrower than the square; 0
         /// turns it off.
         closing: usize = 2, 0..=15, "px";
@@ -21,13 +24,18 @@ params! {
         /// Maximum number of frames, the first included.
         frames: usize = 300, 2..=100_000;
     }
-    advanced { "connectivity" }
+    advanced { "area-opening", "connectivity" }
 }
 
 /// The share of the picture that a blob covers at least, where no minimum area is set.
 const LEAST_SHARE: usize = 2560;
 
 impl Settings {
+    /// Whether anything is removed from the mask before the closing.
+    pub(super) fn is_opened(&self) -> bool {
+        self.opening > 0 || self.area_opening > 1
+    }
+
     /// Returns the minimum area of a blob in px.
     pub fn least_area(&self, (width, height): (usize, usize)) -> usize {
         if self.min_area > 0 { self.min_area } else { (width * height / LEAST_SHARE).max(1) }
@@ -87,7 +95,7 @@ macro_rules! subtraction_pseudocode {
             DECIDE: $decide,
             $(REMOVE_SHADOWS: $shadows,)?
             $(SUPPRESS_SHAKE: $shake,)?
-            OPEN: "  opening of the mask: erosion, then dilation",
+            OPEN: "  opening of the mask: erosion, then dilation; without components below area-opening",
             CLOSE: "  closing of the mask: dilation, then erosion",
             LABEL: "  label the connected components",
             KEEP_BLOBS: "  blobs ← components with area ≥ min-area",

@@ -145,10 +145,24 @@ impl<'a> MaskHistory<'a> {
             .change()
             .map_or([0, 0], |[before, after]| [before.without(after).count(), after.without(before).count()]);
         Some(match self.events.last()? {
-            Event::Opened(_) => said
-                .text(format!("Opening (erosion, then dilation with a {}) removed ", square(settings.opening)))
-                .ink(Role::Rejected, pixels(gone))
-                .text(" in regions narrower than the square."),
+            Event::Opened(_) => {
+                let opening = format!("Opening (erosion, then dilation with a {})", square(settings.opening));
+                let [how, which] = match (settings.opening, settings.area_opening) {
+                    (0, least) => [
+                        "Area opening".to_owned(),
+                        format!(
+                            "components of fewer than {}, which are too small to be told from noise",
+                            pixels(least)
+                        ),
+                    ],
+                    (_, 0 | 1) => [opening, "regions narrower than the square".into()],
+                    (_, least) => [
+                        format!("{opening} and area opening"),
+                        format!("regions narrower than the square and components of fewer than {}", pixels(least)),
+                    ],
+                };
+                said.text(format!("{how} removed ")).ink(Role::Rejected, pixels(gone)).text(format!(" in {which}."))
+            }
             Event::Closed(_) => said
                 .text(format!("Closing (dilation, then erosion with a {}) filled ", square(settings.closing)))
                 .ink(Role::Estimate, pixels(new))

@@ -36,7 +36,7 @@ use camera::Camera;
 use exposure::Transfer;
 
 use crate::base::{Error, Observer, Tally, Threads};
-use crate::data::{Clip, Detection, Frame, Labelling, Mask, MaskErrors, ObjectBox, PackedMask};
+use crate::data::{Clip, Detection, Frame, Labelling, Mask, MaskErrors, ObjectBox, PackedMask, area_opened};
 use crate::geometry::{Bounds, Gray, Grid};
 use crate::params::{Params, inner_params};
 use crate::products::{
@@ -321,7 +321,7 @@ pub struct Conclusion {
 pub(crate) fn need_of_blobs(clip: &Clip, settings: Settings, model: Need) -> Need {
     let (width, height) = clip.size();
     let pixels = (width * height) as f64;
-    let blobs = if settings.opening == 0 && settings.closing == 0 { 40.0 } else { 8.0 };
+    let blobs = if !settings.is_opened() && settings.closing == 0 { 40.0 } else { 8.0 };
     model.and([pixels * blobs, pixels * (20.0 + 2.0 * blobs)])
 }
 
@@ -341,10 +341,13 @@ pub(crate) fn blobs(
     ObjectFrame { mask: Some(PackedMask::new(&mask)), detections: kept, objects: Vec::new() }
 }
 
-/// Applies opening and closing to a mask.
+/// Applies the openings and the closing to a mask.
 pub(crate) fn cleaned(settings: Settings, mut mask: Mask, observer: &mut impl Observer<Event>) -> Mask {
-    if settings.opening > 0 {
-        mask = mask.opened(settings.opening);
+    if settings.is_opened() {
+        mask = if settings.opening > 0 { mask.opened(settings.opening) } else { mask };
+        if settings.area_opening > 1 {
+            mask = area_opened(mask, settings.connectivity, settings.area_opening);
+        }
         observer.see(|| Event::Opened(Arc::new(mask.clone())));
     }
     if settings.closing > 0 {

@@ -105,8 +105,14 @@ impl FeatureMatching {
         }
     }
 
-    fn ratio_said(&self, ratio: f32, passes: bool) -> String {
+    fn ratio_said(&self, ratio: Option<f32>, passes: bool) -> String {
         let limit = words::fine(self.settings.ratio);
+        let Some(ratio) = ratio else {
+            return format!(
+                "Ratio test: d₁ and d₂ are both 0, so d₁ / d₂ is undefined and is not below the limit {limit}: two candidates match exactly, and \
+                 neither is nearer. Rejected."
+            );
+        };
         match passes {
             true => format!(
                 "Ratio test: d₁ / d₂ = {} is below the limit {limit}, so the match is distinctive.",
@@ -137,7 +143,7 @@ impl FeatureMatching {
             (Some(false), _) => sentence.text("; the nearest neighbour is wrong."),
             (None, _) => sentence.text("."),
         };
-        match found.ratio {
+        match outcome.neighbors.second {
             None if self.settings.ratio < 1.0 => {
                 sentence.text(" It was the only candidate, so there was no ratio to test.")
             }
@@ -173,7 +179,7 @@ impl FeatureMatching {
         let mut all = vec![Readout::Facts(facts)];
         // The end sums up all keypoints.
         if !is_end {
-            all.extend(neighbors.ratio().map(|ratio| Readout::Equation(self.ratio_equation(&neighbors, ratio))));
+            all.extend(Self::ratio_equation(&neighbors).map(Readout::Equation));
             all.push(Readout::Tiles(self.tiles(state, index, &neighbors)));
         }
         let after = seen.after.unwrap_or(state);
@@ -191,7 +197,8 @@ impl FeatureMatching {
 
     /// Precision and share of the nearest neighbours that limits of the ratio accept, where the truth is known; else the share alone.
     fn precision(&self, state: &State) -> Option<Series> {
-        let all: Vec<Match> = state.matches().filter(|found| found.ratio.is_some()).collect();
+        let is_tested = |found: &Match| found.ratio.is_some() || found.status == MatchStatus::RejectedRatio;
+        let all: Vec<Match> = state.matches().filter(is_tested).collect();
         if all.is_empty() {
             return None;
         }
@@ -222,15 +229,16 @@ impl FeatureMatching {
         })
     }
 
-    fn ratio_equation(&self, neighbors: &Neighbors, ratio: f32) -> Vec<Math> {
-        let [first, second] = [neighbors.first, neighbors.second].map(|of| of.map_or(0.0, |(_, distance)| distance));
+    fn ratio_equation(neighbors: &Neighbors) -> Option<Vec<Math>> {
+        let ((_, first), (_, second)) = (neighbors.first?, neighbors.second?);
+        let ratio = neighbors.ratio();
         let index = |i: &'static str| Math::indexed(Math::Var("d"), Math::text(i));
-        vec![Math::Row(vec![
+        Some(vec![Math::Row(vec![
             Math::over(index("1"), index("2")),
             Math::text(" = "),
             Math::over(Math::ink(Role::Best, apart(first)), Math::ink(Role::Rejected, apart(second))),
-            Math::text(if second > 0.0 { format!(" = {}", words::fine(ratio)) } else { " is undefined".into() }),
-        ])]
+            Math::text(ratio.map_or_else(|| " is undefined".into(), |ratio| format!(" = {}", words::fine(ratio)))),
+        ])])
     }
 
     /// The neighbourhoods of the keypoint and of its neighbours.
@@ -370,11 +378,16 @@ fn concluded(state: &State, limit: f32, sentence: Sentence) -> Sentence {
         }
         (0, 0) => String::new(),
         (0, _) => {
-            let least = all.iter().filter_map(|found| found.ratio).fold(f32::INFINITY, f32::min);
-            format!(
-                " The smallest ratio is {}, and the limit is {}; a higher one accepts more.",
-                words::fine(least),
-                words::fine(limit)
+            let least = all.iter().filter_map(|found| found.ratio).reduce(f32::min);
+            least.map_or_else(
+                || " All ratios are undefined: each keypoint has two candidates at distance 0.".into(),
+                |least| {
+                    format!(
+                        " The smallest ratio is {}, and the limit is {}; a higher one accepts more.",
+                        words::fine(least),
+                        words::fine(limit)
+                    )
+                },
             )
         }
         _ if limit >= 1.0 => {

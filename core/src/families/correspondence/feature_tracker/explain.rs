@@ -130,8 +130,9 @@ impl FeatureTracker {
                 Some(Role::Reference),
             ));
             facts.extend(linked.outcome.map(|found| Fact::new("Distance", apart(found.distance), None)));
-            let ratio = linked.outcome.and_then(|found| found.neighbors.ratio());
-            facts.extend(ratio.map(|ratio| Fact::new("Ratio", words::fine(ratio), None)));
+            let neighbors = linked.outcome.map(|found| found.neighbors).filter(|found| found.second.is_some());
+            let ratio = |ratio: Option<f32>| ratio.map_or_else(|| "undefined: 0 / 0".into(), words::fine);
+            facts.extend(neighbors.map(|found| Fact::new("Ratio", ratio(found.ratio()), None)));
             let to = linked.to.map(|to| pair.sides[1].points[to].at);
             let from = pair.sides[0].points[linked.index].at;
             let moved = to.map(|to| [to[0] - from[0], to[1] - from[1]]);

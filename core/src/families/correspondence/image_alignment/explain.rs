@@ -309,13 +309,13 @@ fn rounded(share: f64) -> f32 {
     ((1000.0 * share).round() / 1000.0) as f32
 }
 
-/// The RMS difference of both frames at full resolution under a warp.
+/// The RMS difference of both frames at full resolution under a warp; NaN where they do not overlap.
 fn difference_rms(state: &State, warp: &Matrix3) -> f64 {
     let [template, image] = &state.fixed.levels[0].pictures;
     let differences = places(template).filter_map(|place| difference([template, image], warp, place));
     let (squares, count) =
         differences.fold((0.0, 0usize), |(squares, count), value| (squares + f64::from(value * value), count + 1));
-    (squares / count.max(1) as f64).sqrt()
+    (squares / count as f64).sqrt()
 }
 
 /// The absolute difference of the current level, over the whole picture.

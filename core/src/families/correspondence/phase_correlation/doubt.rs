@@ -16,8 +16,20 @@ const EQUAL: f64 = 0.05;
 const EDGE_PX: usize = 2;
 /// A displacement fits if its residual is below this share of the contrast.
 const FITS: f64 = 0.5;
-/// Texture of one direction has a structure tensor with a smaller ratio of eigenvalues.
-const ONE_DIRECTION: f64 = 0.02;
+/// Texture of one direction has a structure tensor with a smaller ratio of eigenvalues, noise included.
+const ONE_DIRECTION: f64 = 0.5;
+/// Texture of one direction changes along its edges by less than this share of its change across them.
+const ALONG: f64 = 0.5;
+/// A displacement along the edges is compared from this length on, and up to that, in px.
+const ALONG_PX: [i32; 2] = [4, 24];
+/// It lies along them if it leads across them by less, in px.
+const ON_EDGE_PX: f64 = 0.1;
+/// Displacements along the edges fit alike if their residuals differ by less than this share.
+const ALIKE: f64 = 0.1;
+/// A pattern repeats after a displacement if the residual rises between by more than this share of the contrast.
+const RISE: f64 = 0.25;
+/// Displacements this near to the highest peak are compared with it, at this distance from each other, in px.
+const NEAR_PX: [i32; 2] = [16, 2];
 
 /// Why the highest peak is not the translation of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,33 +61,54 @@ impl Doubt {
         !matches!(self, Self::Repeats { .. })
     }
 
-    /// Compares the highest peak with the pictures.
+    /// Compares the highest peak with the pictures. Edges of one direction tell against a rejected peak, too.
     pub(super) fn of(state: &State) -> Option<Self> {
         let [from, to] = state.fixed.pair.each_ref().map(|frame| frame.luma());
         let at = state.wrapped(state.peak?);
         let counts = informative([from, to]);
+        let contrast = contrast(from, &counts);
         let residual = |by: [i32; 2]| residual([from, to], &counts, by);
-        let own = residual(at)?;
-        let contrast = contrast(from, state.fixed.means[0]);
-        let is_equal = |other: f64| other <= own + EQUAL * contrast;
-        if let Some(across) = one_direction(from, &counts) {
-            let longest = from.width().max(from.height()) as i32;
-            let period_px = period(residual, longest, at, (across, own + EQUAL * contrast));
-            return Some(Self::Aperture { across, period_px });
+        if let Some(edges) = Edges::of(from, &counts) {
+            let own = residual(at);
+            let is_free = |along: &[i32; 2]| {
+                let other = residual([0, 1].map(|i| at[i] + along[i]));
+                own.zip(other).is_none_or(|(own, other)| other <= (1.0 + ALIKE) * own + EQUAL * contrast)
+            };
+            if !state.is_significant() || edges.along.iter().all(is_free) {
+                return Some(Self::Aperture { across: edges.across, period_px: edges.period(from, &counts) });
+            }
         }
+        let own = residual(at).filter(|_| state.is_significant())?;
+        let is_equal = |other: f64| other <= own + EQUAL * contrast;
         let others = peaks(state).into_iter().filter(|other| *other != at);
         let others: Vec<_> = others.filter_map(|other| Some((other, residual(other)?))).collect();
-        let best = others.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1));
+        // A smooth texture has no peak of its own where few of its frequencies are kept.
+        let [reach, step] = NEAR_PX;
+        let near = || (-reach..=reach).step_by(step as usize);
+        let around = near().flat_map(|v| near().map(move |u| [at[0] + u, at[1] + v]));
+        let around = around.filter_map(|other| Some((other, residual(other)?)));
+        let best = others.iter().copied().chain(around).min_by(|a, b| a.1.total_cmp(&b.1));
         if let Some((other, least)) = best.filter(|(_, least)| *least < BETTER * own && own - least > EQUAL * contrast)
         {
             return Some(Self::Contradicted { other, residuals: [own, least] });
         }
         let is_far = |other: [i32; 2]| (0..2).any(|i| (other[i] - at[i]).abs() > 2);
         let is_high = |other: [i32; 2]| 2.0 * state.height_at(other) > state.height_at(at);
+        // A smooth texture fits nearly as well beside its match, and never worse between.
+        let on_the_way = |other: [i32; 2], part: f64| {
+            residual([0, 1].map(|i| at[i] + (part * f64::from(other[i] - at[i])).round() as i32))
+        };
+        let rises = |other| {
+            [0.25, 0.5, 0.75]
+                .into_iter()
+                .filter_map(|part| on_the_way(other, part))
+                .any(|way| way > own + RISE * contrast)
+        };
+        let goes_on = |other| [-1.0, 2.0].into_iter().filter_map(|part| on_the_way(other, part)).all(is_equal);
         // Where nothing fits, that another displacement fits as badly tells of no pattern.
         let repeats = others.into_iter().filter(|_| own < FITS * contrast);
-        let repeats = { repeats }.find(|(other, residual)| is_far(*other) && is_high(*other) && is_equal(*residual));
-        repeats.map(|(other, _)| Self::Repeats { other })
+        let mut repeats = repeats.filter(|(other, residual)| is_far(*other) && is_high(*other) && is_equal(*residual));
+        repeats.find(|(other, _)| rises(*other) && goes_on(*other)).map(|(other, _)| Self::Repeats { other })
     }
 }
 
@@ -133,14 +166,66 @@ fn residual([from, to]: [&Gray; 2], counts: &Mask, [u, v]: [i32; 2]) -> Option<f
     (count as f64 >= LEAST_OVERLAP * counts.count().max(1) as f64).then(|| sum as f64 / count.max(1) as f64)
 }
 
-/// The mean absolute deviation of a picture from its mean, in gray levels.
-fn contrast(picture: &Gray, mean: f64) -> f64 {
-    let sum: f64 = picture.cells().iter().map(|&pixel| (f64::from(pixel) - mean).abs()).sum();
-    sum / picture.cells().len().max(1) as f64
+/// The mean absolute deviation of the pixels that count from their mean, in gray levels.
+fn contrast(picture: &Gray, counts: &Mask) -> f64 {
+    let (width, height) = picture.size();
+    let places = || (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).filter(|(x, y)| counts.get(*x, *y));
+    let count = counts.count().max(1) as f64;
+    let mean = places().map(|place| f64::from(picture[place])).sum::<f64>() / count;
+    places().map(|place| (f64::from(picture[place]) - mean).abs()).sum::<f64>() / count
 }
 
-/// The unit vector along the gradients of a picture if they all have one direction: the eigenvector of the structure tensor.
-fn one_direction(picture: &Gray, counts: &Mask) -> Option<[f64; 2]> {
+/// The edges of a texture that all have one direction.
+struct Edges {
+    /// The unit vector across them.
+    across: [f64; 2],
+    /// Displacements along them, in px.
+    along: Vec<[i32; 2]>,
+    /// The mean absolute difference of the picture from itself in gray levels: displaced along them, and at most when displaced across them.
+    changes: [f64; 2],
+}
+
+impl Edges {
+    /// Those of a picture, if they have one direction: displaced along them it differs from itself by its noise alone, however far.
+    fn of(picture: &Gray, counts: &Mask) -> Option<Self> {
+        let [x, y] = main_gradient(picture, counts)?;
+        let change = |by: [i32; 2]| residual([picture, picture], counts, by);
+        let far = (picture.width().min(picture.height()) as i32 / 3).min(ALONG_PX[1]);
+        let along = (ALONG_PX[0]..=far).map(|length| [-y, x].map(|c| (c * f64::from(length)).round() as i32));
+        let mut along: Vec<_> =
+            along.filter(|[u, v]| (f64::from(*u) * x + f64::from(*v) * y).abs() < ON_EDGE_PX).collect();
+        along.dedup();
+        let changes: Vec<f64> = along.iter().filter_map(|by| change(*by)).collect();
+        let (first, most) = (*changes.first()?, changes.iter().copied().fold(0.0, f64::max));
+        let steps = 1..=far;
+        let across = steps.filter_map(|step| change([x, y].map(|c| (c * f64::from(step)).round() as i32)));
+        let most_across = across.fold(0.0, f64::max);
+        let is_one = most < ALONG * most_across && most <= (1.0 + ALIKE) * first + EQUAL * most_across;
+        is_one.then_some(Self { across: [x, y], along, changes: [most, most_across] })
+    }
+
+    /// The period of the picture across the edges in px, if it repeats: after it, and after twice as much, the picture differs from itself by
+    /// little more than its noise, and by much between.
+    fn period(&self, picture: &Gray, counts: &Mask) -> Option<i32> {
+        let change = |step: i32| {
+            let by = self.across.map(|c| (c * f64::from(step)).round() as i32);
+            residual([picture, picture], counts, by).unwrap_or(f64::INFINITY)
+        };
+        let [noise, most] = self.changes;
+        let is_low = |step: i32| change(step) < noise + RISE * (most - noise);
+        let mut has_risen = false;
+        let longest = picture.width().max(picture.height()) as i32 / 2;
+        let period = (1..longest).find(|&step| {
+            let now = change(step);
+            has_risen |= now > 0.5 * (noise + most);
+            has_risen && is_low(step) && now <= change(step + 1)
+        })?;
+        (2 * period >= longest || (-1..=1).any(|off| is_low(2 * period + off))).then_some(period)
+    }
+}
+
+/// The unit vector along most gradients of a picture, the eigenvector of its structure tensor, if they prefer a direction.
+fn main_gradient(picture: &Gray, counts: &Mask) -> Option<[f64; 2]> {
     let (width, height) = picture.size();
     let [mut xx, mut xy, mut yy] = [0.0; 3];
     for y in 1..height.saturating_sub(1) {
@@ -153,20 +238,4 @@ fn one_direction(picture: &Gray, counts: &Mask) -> Option<[f64; 2]> {
     let (half, root) = ((xx + yy) / 2.0, ((xx - yy) / 2.0).hypot(xy));
     let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
     (half > 0.0 && half - root < ONE_DIRECTION * (half + root)).then(|| [angle.cos(), angle.sin()])
-}
-
-/// The smallest further displacement across the edges, below `longest`, at which the residual is as small as `most` again, after a rise.
-fn period(
-    residual: impl Fn([i32; 2]) -> Option<f64>,
-    longest: i32,
-    at: [i32; 2],
-    (across, most): ([f64; 2], f64),
-) -> Option<i32> {
-    let mut has_risen = false;
-    (1..longest).find(|&step| {
-        let moved = [0, 1].map(|i| at[i] + (across[i] * f64::from(step)).round() as i32);
-        let Some(residual) = residual(moved) else { return false };
-        has_risen |= residual > 2.0 * most;
-        has_risen && residual <= most
-    })
 }

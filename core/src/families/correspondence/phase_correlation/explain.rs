@@ -41,7 +41,7 @@ fn doubted(doubt: &Doubt) -> String {
     match *doubt {
         Doubt::Contradicted { other, residuals: [own, least] } => format!(
             "The pictures contradict the highest peak: displaced by it they differ by {} gray levels on average, displaced by {} by {}. \
-             A part of the picture that moves otherwise, such as a border at rest, correlates with itself.",
+             The peak comes from a part of the picture that moves otherwise, such as a border at rest, or from few phases that agree.",
             fixed(own, 2),
             whole(other),
             fixed(least, 2)
@@ -66,7 +66,7 @@ fn doubted(doubt: &Doubt) -> String {
 /// The means against it.
 fn remedy(doubt: &Doubt) -> &'static str {
     match doubt {
-        Doubt::Contradicted { .. } => " Crop that part, or use global motion, which tells it apart as outliers.",
+        Doubt::Contradicted { .. } => " Crop a part at rest, or use global motion, which tells such parts apart as outliers.",
         Doubt::Repeats { .. } | Doubt::Aperture { .. } => {
             " No method finds more in this texture alone; a larger picture with corners or an end of the pattern would tell."
         }

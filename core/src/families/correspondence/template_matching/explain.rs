@@ -317,7 +317,13 @@ impl TemplateMatching {
                 fixed(ratio, 2),
                 fixed(DISTINCT, 2)
             )),
-            None => said.text("No positive correlation stands beside the best, so the match is distinct."),
+            None if self.score.is_similarity() => {
+                said.text("No positive correlation stands beside the best, so the match is distinct.")
+            }
+            None if pair.costs[second] == 0.0 => said.text(
+                "Both costs are 0, so their ratio is undefined: two places fit exactly, and the match is ambiguous, as on texture that repeats.",
+            ),
+            None => said.text("The best fits exactly, with a cost of 0, so the match is distinct."),
         }
     }
 

@@ -1,6 +1,6 @@
 //! The explanation and the drawing of CamShift.
 
-use super::{Bins, Camshift, Event, Model, Resized, Shift};
+use super::{Background, Bins, Camshift, Event, Model, Resized, Shift};
 use crate::base::words::{counted, fixed, grouped, place};
 use crate::data::Frame;
 use crate::geometry::{Bounds, Grid};
@@ -19,6 +19,9 @@ const FILLED: f32 = 0.8;
 const SPREAD: f32 = 0.4;
 /// An ellipse of so many times the area of the first one has grown.
 const GROWN: f32 = 2.0;
+/// An object with a smaller share of the pixels of its hues does not stand out from its surroundings: where they have the hues as often,
+/// it has 21 %.
+const OWN: f32 = 0.4;
 
 fn degrees(angle_rad: f32) -> String {
     format!("{}°", fixed(angle_rad.to_degrees().into(), 1))
@@ -32,7 +35,7 @@ impl Explained for Camshift {
     fn sentence(&self, at: &At<'_, Self>) -> Sentence {
         let said = Sentence::default();
         match at.event {
-            Event::Modelled(model) => modelled(model, said),
+            Event::Modelled(model) => self.modelled(model, said),
             Event::Projected(_, window) => said
                 .text("Back-projection: each pixel takes the value of its bin in the ")
                 .ink(Role::Reference, "model q")
@@ -153,6 +156,28 @@ impl Explained for Camshift {
         }
     }
 
+    fn caveat(&self, at: &At<'_, Self>) -> Option<String> {
+        let (model, Event::Resized(_, resized)) = (at.model?, at.event) else { return None };
+        let (started, first) = model.first;
+        let area = |region: &Region| region.size[0] * region.size[1];
+        let times = f64::from(area(&resized.region) / area(&started));
+        let share = 100.0 * f64::from(resized.similarity / first);
+        if resized.similarity < SPREAD * first {
+            return Some(format!(
+                "The mean back-projection is {} % of that in the first frame: the window has spread over scattered pixels and no longer shows \
+                 where the object is.",
+                fixed(share, 0)
+            ));
+        }
+        (times > f64::from(GROWN)).then(|| {
+            format!(
+                "The ellipse has {} times the area of the first one: the object has come nearer, or the window has spread over a background of \
+                 like hue. The hue cannot tell these apart.",
+                fixed(times, 1)
+            )
+        })
+    }
+
     fn loss(&self, at: &At<'_, Self>) -> Option<String> {
         match at.event {
             _ if at.model.is_some_and(is_empty) => Some("the model has no hue".into()),
@@ -252,29 +277,43 @@ impl Camshift {
             "the hues of the object fill the ellipse. The window of the next frame is the box around it."
         })
     }
+
+    /// The model of the object.
+    fn modelled(&self, model: &Model, said: Sentence) -> Sentence {
+        let filled = model.histogram.support.len();
+        let said = said.text("The ").ink(Role::Reference, "model q").text(format!(
+            " is the {} histogram of the ellipse in the region: {} of {} bins are filled",
+            model.histogram.binning.name(),
+            grouped(filled),
+            grouped(model.projection.len())
+        ));
+        if filled == 0 {
+            said.text(
+            ". No pixel is saturated and bright enough to have a hue, so nothing can be found; lower the minimum saturation or value.",
+        )
+        } else {
+            let said = said.text(match self.background {
+            Background::Ignored => ", and the fullest is scaled to 1.",
+            Background::Weighted => {
+                ". Each is multiplied by the share of its pixels, in the object and around it, that lie in the object, and the fullest is scaled \
+                 to 1."
+            }
+        });
+            let share = fixed(100.0 * f64::from(model.own), 0);
+            let said = match model.own < OWN {
+            true => said.text(format!(
+                " Only {share} % of the pixels with these hues lie in the object: its surroundings have them too, so the window may spread."
+            )),
+            false => said,
+        };
+            plots::warned(said, &model.histogram)
+        }
+    }
 }
 
 /// Whether no pixel of the region has a hue.
 fn is_empty(model: &Model) -> bool {
     model.histogram.support.is_empty()
-}
-
-fn modelled(model: &Model, said: Sentence) -> Sentence {
-    let filled = model.histogram.support.len();
-    let said = said.text("The ").ink(Role::Reference, "model q").text(format!(
-        " is the {} histogram of the ellipse in the region: {} of {} bins are filled",
-        model.histogram.binning.name(),
-        grouped(filled),
-        grouped(model.projection.len())
-    ));
-    if filled == 0 {
-        said.text(
-            ". No pixel is saturated and bright enough to have a hue, so nothing can be found; lower the minimum saturation or value.",
-        )
-    } else {
-        let said = said.text(", and the fullest is scaled to 1.");
-        plots::warned(said, &model.histogram)
-    }
 }
 
 /// The model over the bins.

@@ -1,7 +1,7 @@
 //! The explanation and the drawing of the correlation filter.
 
 use super::perturbation::PERTURBED_SCALE;
-use super::{CorrelationFilter, Event, Model, Response};
+use super::{CorrelationFilter, Event, Evidence, Model, Response};
 use crate::base::words::{counted, fixed, place};
 use crate::geometry::Grid;
 use crate::methods::numbers::ratio;
@@ -48,7 +48,7 @@ impl Explained for CorrelationFilter {
                     ", lies at a displacement of {} px, with parabolas along x and y. A perfect match would give 1.",
                     place(response.displacement)
                 )),
-            Event::Judged(response) => self.judged(response, said),
+            Event::Judged(response, evidence) => self.judged(response, evidence.as_ref(), said),
             Event::Updated(..) => said.text(format!(
                 "The window at the new position is averaged into numerator and denominator of the filter with η = {}, so that it follows \
                  changes of appearance.",
@@ -59,11 +59,20 @@ impl Explained for CorrelationFilter {
 
     fn facts(&self, at: &At<'_, Self>) -> Vec<Fact> {
         match at.event {
-            Event::Found(response) | Event::Judged(response) => vec![
-                Fact::new("Displacement", format!("{} px", place(response.displacement)), Some(Role::Best)),
-                Fact::new("Peak", ratio(response.values[response.peak].into()), Some(Role::Best)),
-                Fact::new("Peak-to-sidelobe ratio", psr(response.psr), Some(Role::Measured)),
-            ],
+            Event::Found(response) | Event::Judged(response, _) => {
+                let mut facts = vec![
+                    Fact::new("Displacement", format!("{} px", place(response.displacement)), Some(Role::Best)),
+                    Fact::new("Peak", ratio(response.values[response.peak].into()), Some(Role::Best)),
+                    Fact::new("Peak-to-sidelobe ratio", psr(response.psr), Some(Role::Measured)),
+                ];
+                if let Some(Evidence { zncc, coefficients: [object, around] }) = evidence(at) {
+                    let zncc = zncc.map_or_else(|| "undefined, a region is uniform".into(), ratio);
+                    facts.push(Fact::new("ZNCC with the first region", zncc, None));
+                    let levels = format!("{} and {}", ratio(*object), ratio(*around));
+                    facts.push(Fact::new("ρ of gray levels, object and surroundings", levels, None));
+                }
+                facts
+            }
             Event::Cut(response) | Event::Responded(response) | Event::Updated(response, _) => {
                 let (width, height) = response.patch.size();
                 vec![Fact::new("Window", format!("{width}×{height} px"), Some(Role::Window))]
@@ -93,7 +102,7 @@ impl Explained for CorrelationFilter {
                 let tiles = [patch_tile(&response.patch)].into_iter().chain(filter()).chain([response_tile(response)]);
                 vec![Readout::Tiles(tiles.collect()), Readout::Surface(surface(response))]
             }
-            Event::Judged(response) => {
+            Event::Judged(response, _) => {
                 let [mean, deviation] = response.sidelobes;
                 let peak = response.values[response.peak];
                 let formula = Math::Row(vec![
@@ -134,7 +143,7 @@ impl Explained for CorrelationFilter {
             }
             Event::Responded(response)
             | Event::Found(response)
-            | Event::Judged(response)
+            | Event::Judged(response, _)
             | Event::Updated(response, _) => response,
         };
         let (width, height) = response.values.size();
@@ -154,8 +163,20 @@ impl Explained for CorrelationFilter {
     }
 
     fn loss(&self, at: &At<'_, Self>) -> Option<String> {
-        let is_low = matches!(at.event, Event::Judged(response) if response.psr < self.min_psr);
-        is_low.then(|| "the peak does not stand out".into())
+        let Event::Judged(_, evidence) = at.event else { return None };
+        Some(match evidence {
+            None => "the peak does not stand out".into(),
+            Some(_) => "the region holds its surroundings and not the object of the first frame".into(),
+        })
+    }
+
+    fn caveat(&self, at: &At<'_, Self>) -> Option<String> {
+        let unlike = evidence(at).filter(|evidence| evidence.is_unlike())?;
+        Some(format!(
+            "The region has a ZNCC of {} with that of the first frame: the object has turned, changed or is covered, or the filter, which \
+             adapts, follows something else. The peak-to-sidelobe ratio cannot tell these apart.",
+            ratio(unlike.zncc?)
+        ))
     }
 
     fn advice(&self, ending: Ending, _at: &At<'_, Self>) -> String {
@@ -202,7 +223,7 @@ impl CorrelationFilter {
         )
     }
 
-    fn judged(&self, response: &Response, said: Sentence) -> Sentence {
+    fn judged(&self, response: &Response, evidence: Option<&Evidence>, said: Sentence) -> Sentence {
         let [mean, deviation] = response.sidelobes;
         let said = said.text("Peak-to-sidelobe ratio: ").ink(Role::Measured, psr(response.psr)).text(format!(
             ", from sidelobes of mean {} and standard deviation {} outside 11×11 px around the peak",
@@ -210,15 +231,39 @@ impl CorrelationFilter {
             fixed(deviation.into(), 4)
         ));
         let least = psr(self.min_psr);
-        if response.psr < self.min_psr {
-            said.text(format!(
+        let Some(evidence) = evidence else {
+            return said.text(format!(
                 ", below {least}. The peak does not stand out, as under occlusion or a turn beyond the perturbations: the filter is \
                  not updated."
-            ))
-        } else {
-            said.text(format!(", not below {least}: the peak stands out, and the match is accepted."))
+            ));
+        };
+        let said = said.text(format!(", not below {least}: the peak stands out"));
+        let [object, around] = evidence.coefficients.map(ratio);
+        let pattern = || match evidence.zncc {
+            Some(zncc) => format!("has a ZNCC of {} with that of the first frame", ratio(zncc)),
+            None => "is uniform, or was in the first frame".into(),
+        };
+        if evidence.is_gone() {
+            return said.text(format!(
+                ". But the region there {}, and its gray levels are those of its surroundings (Bhattacharyya coefficient {around}) rather than \
+                 those of the object ({object}). The filter answers to what is behind the object, so it is not updated.",
+                pattern()
+            ));
         }
+        said.text(match evidence.is_unlike() {
+            true => format!(
+                ", and the match is accepted, although the region there {}: its gray levels (Bhattacharyya coefficient {object} with the object, \
+                 {around} with the surroundings) do not tell that the object is gone.",
+                pattern()
+            ),
+            false => ", and the match is accepted.".into(),
+        })
     }
+}
+
+/// The comparison with the first region in a frame.
+fn evidence<'a>(at: &At<'a, CorrelationFilter>) -> Option<&'a Evidence> {
+    at.events.iter().find_map(|event| if let Event::Judged(_, evidence) = *event { evidence.as_ref() } else { None })
 }
 
 /// A tile with the range of its values.

@@ -96,7 +96,10 @@ impl Explained for Rapid {
             }
             Event::Judged(judged) => {
                 let mut facts = of_pose(Role::Estimate, &judged.view.pose);
-                let residual = format!("{} px", px(judged.residual_px));
+                let residual = match judged.residual_px.is_nan() {
+                    true => "undefined: no edge was found".into(),
+                    false => format!("{} px", px(judged.residual_px)),
+                };
                 facts.push(Fact::new("Distance of the edges (median)", residual, Some(Role::Error)));
                 if let Some(covariance) = &judged.covariance {
                     let [a, b, c, x, y, z] = deviations(covariance);

@@ -184,11 +184,11 @@ fn hold(covariance: &mut [f64], axis: Vector) {
     }
 }
 
-/// The median distance of the edges from their control points in px; 0 without an edge. A few edges of something else do not raise it.
+/// The median distance of the edges from their control points in px; NaN without an edge. A few edges of something else do not raise it.
 pub fn median_distance(all: &[Sought]) -> f64 {
     let mut distances: Vec<f64> = all.iter().filter_map(|sought| sought.edge).map(f64::abs).collect();
     distances.sort_by(f64::total_cmp);
-    distances.get(distances.len() / 2).copied().unwrap_or(0.0)
+    distances.get(distances.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 /// The farthest motion of a control point in px between two poses.

@@ -15,8 +15,12 @@ use crate::products::model::Matrix3;
 use crate::run::Seen;
 use crate::scene::{Fact, Link, Math, Matrix, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
 
+/// The RMS distance of the inliers, if there are any.
 fn rms(score: &Score) -> String {
-    words::fixed((score.squared / score.inliers.max(1) as f64).sqrt(), 3)
+    match score.inliers {
+        0 => "undefined".into(),
+        count => format!("{} px", words::fixed((score.squared / count as f64).sqrt(), 3)),
+    }
 }
 
 fn matches(count: usize) -> String {
@@ -81,7 +85,7 @@ impl<M: RobustModel> Robust<M> {
             Event::Scored(score) => (line::COUNT, self.scored_said(state, score)),
             Event::Local(_, score) => {
                 let sentence = format!(
-                    "Local optimisation: fitted to its inliers, the model has {} inliers with an RMS distance of {} px.",
+                    "Local optimisation: fitted to its inliers, the model has {} inliers with an RMS distance of {}.",
                     grouped(score.inliers),
                     rms(score)
                 );
@@ -107,14 +111,14 @@ impl<M: RobustModel> Robust<M> {
                 let said = said
                     .text("Least squares over all inliers: ")
                     .ink(Role::Result, format!("{} of {} matches", grouped(score.inliers), grouped(count)))
-                    .text(format!(" are inliers, RMS distance {} px.", rms(score)));
+                    .text(format!(" are inliers, RMS distance {}.", rms(score)));
                 (line::REFIT, said)
             }
             Event::Kept(_, score) => {
                 let said = said
                     .text("Least squares over all inliers finds no smaller distances, so the model stays: ")
                     .ink(Role::Result, format!("{} of {} matches", grouped(score.inliers), grouped(count)))
-                    .text(format!(" are inliers, RMS distance {} px.", rms(score)));
+                    .text(format!(" are inliers, RMS distance {}.", rms(score)));
                 (line::REFIT, said)
             }
             Event::Doubted(doubt) => (
@@ -271,7 +275,7 @@ impl<M: RobustModel> Robust<M> {
         ];
         let inliers = |score: &Score| format!("{} of {}", grouped(score.inliers), grouped(count));
         facts.extend(best.map(|(_, score)| Fact::new("Inliers of the best", inliers(&score), Some(Role::Best))));
-        facts.extend(best.map(|(_, score)| Fact::new("RMS distance", format!("{} px", rms(&score)), None)));
+        facts.extend(best.map(|(_, score)| Fact::new("RMS distance", rms(&score), None)));
         let needed = if let Event::Best(needed) = event { *needed } else { state.consensus.needed };
         facts.push(Fact::new("Iterations needed", grouped(needed), None));
         let sequel = match event {

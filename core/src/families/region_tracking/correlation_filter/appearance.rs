@@ -1,0 +1,139 @@
+//! The appearance of the region in the first frame, which the filter forgets as it is updated: a filter that has learnt the ground
+//! behind the object answers to it with as high a peak.
+
+use crate::base::effort;
+use crate::geometry::{Border, Gray, Grid};
+use crate::products::Region;
+
+/// Bins of gray levels.
+const BINS: usize = 16;
+/// They reach so many standard deviations of the window to either side of its mean.
+const REACH: f64 = 2.5;
+/// The box is compared at this distance from the region too, in px.
+const SHIFT_PX: isize = 2;
+/// A box with a smaller ZNCC no longer shows the pattern of the first frame.
+const LEAST_ZNCC: f64 = 0.3;
+/// Gray levels as similar as this to the surroundings are those of the surroundings.
+const LIKE: f64 = 0.9;
+/// The gray levels are those of the surroundings rather than those of the object if the coefficients differ by more than this.
+const APART: f64 = 0.1;
+
+/// The shares of gray levels, relative to mean and standard deviation of the window.
+type Shares = [f64; BINS];
+
+/// The box of the region in the first frame.
+#[derive(Clone)]
+pub struct Appearance {
+    pixels: Gray,
+    shares: Shares,
+}
+
+/// The box of the region in a later frame, compared with that of the first one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Evidence {
+    /// Its zero-mean normalised cross-correlation with that of the first frame; none for a uniform one.
+    pub zncc: Option<f64>,
+    /// The Bhattacharyya coefficients of its gray levels with those of the box of the first frame, and with those of its surroundings.
+    pub coefficients: [f64; 2],
+}
+
+impl Evidence {
+    /// Whether the pattern of the first frame is not found any more: the object has changed, is covered, or is not there.
+    pub fn is_unlike(&self) -> bool {
+        self.zncc.is_some_and(|zncc| zncc < LEAST_ZNCC)
+    }
+
+    /// Whether the box holds what is around it and not the object.
+    pub fn is_gone(&self) -> bool {
+        let [object, around] = self.coefficients;
+        self.zncc.is_none_or(|zncc| zncc < LEAST_ZNCC) && around > LIKE && around - object > APART
+    }
+}
+
+impl Appearance {
+    /// That of a region, in a window of this size around it.
+    pub fn of(luma: &Gray, region: Region, window: (usize, usize)) -> Self {
+        let pixels = cut(luma, region.center, region.size.map(|side| side.round().max(1.0) as usize));
+        let [shares, _] = shares(luma, (region.center, pixels.size()), window);
+        Self { pixels, shares }
+    }
+
+    /// Compares the box around `center` with it.
+    pub fn compare(&self, luma: &Gray, center: [f32; 2], window: (usize, usize)) -> Evidence {
+        let [own, around] = shares(luma, (center, self.pixels.size()), window);
+        let [x, y] = corner(center, self.pixels.size());
+        let shifts = (-SHIFT_PX..=SHIFT_PX).flat_map(|v| (-SHIFT_PX..=SHIFT_PX).map(move |u| [x + u, y + v]));
+        let best = shifts.filter_map(|at| self.zncc(luma, at)).reduce(f64::max);
+        Evidence { zncc: best, coefficients: [&self.shares, &around].map(|other| coefficient(&own, other)) }
+    }
+
+    /// The ZNCC with the box from a pixel on; none where one of them is uniform.
+    fn zncc(&self, luma: &Gray, [left, top]: [isize; 2]) -> Option<f64> {
+        let (width, height) = self.pixels.size();
+        effort::add(width * height);
+        let (mut sums, mut products) = ([0.0f64; 2], [0.0f64; 3]);
+        for y in 0..height {
+            let row = luma.row(Border::Replicate.index(top + y as isize, luma.height()));
+            let (mut row_sums, mut row_products) = ([0u64; 2], [0u64; 3]);
+            for (x, &a) in self.pixels.row(y).iter().enumerate() {
+                let b = u64::from(row[Border::Replicate.index(left + x as isize, row.len())]);
+                let a = u64::from(a);
+                row_sums = [row_sums[0] + a, row_sums[1] + b];
+                row_products = [row_products[0] + a * a, row_products[1] + a * b, row_products[2] + b * b];
+            }
+            (0..2).for_each(|i| sums[i] += row_sums[i] as f64);
+            (0..3).for_each(|i| products[i] += row_products[i] as f64);
+        }
+        let count = (width * height) as f64;
+        let [aa, ab, bb] = products.map(|sum| sum / count);
+        let [a, b] = sums.map(|sum| sum / count);
+        // Of whole gray levels, so that a uniform box has less than that of a single pixel.
+        let variances = [aa - a * a, bb - b * b];
+        variances.iter().all(|variance| *variance >= 1.0).then(|| (ab - a * b) / (variances[0] * variances[1]).sqrt())
+    }
+}
+
+/// The first pixel of a box around a centre.
+fn corner(center: [f32; 2], (width, height): (usize, usize)) -> [isize; 2] {
+    [0, 1].map(|i| (center[i] - ([width, height][i] as f32 - 1.0) / 2.0).round() as isize)
+}
+
+/// The pixels of a box around a centre; beyond the border those at it.
+fn cut(luma: &Gray, center: [f32; 2], [width, height]: [usize; 2]) -> Gray {
+    let [left, top] = corner(center, (width, height));
+    Grid::from_fn(width, height, |x, y| luma.at(left + x as isize, top + y as isize, Border::Replicate))
+}
+
+/// The shares of gray levels inside a box around a centre, and in the rest of the window around it.
+fn shares(luma: &Gray, (center, size): ([f32; 2], (usize, usize)), (width, height): (usize, usize)) -> [Shares; 2] {
+    let window = cut(luma, center, [width, height]);
+    effort::add(width * height);
+    let count = (width * height) as f64;
+    let mean = window.cells().iter().map(|v| f64::from(*v)).sum::<f64>() / count;
+    let variance = window.cells().iter().map(|v| (f64::from(*v) - mean).powi(2)).sum::<f64>() / count;
+    let scale = BINS as f64 / (2.0 * REACH * variance.sqrt().max(1.0));
+    let bins: [usize; 256] = std::array::from_fn(|level| {
+        ((level as f64 - mean) * scale + BINS as f64 / 2.0).clamp(0.0, BINS as f64 - 1.0) as usize
+    });
+    let [[left, top], from] = [corner(center, size), corner(center, (width, height))];
+    let is_inside = |c: usize, from: isize, first: isize, extent: usize| {
+        (first..first + extent as isize).contains(&(from + c as isize))
+    };
+    let mut counts = [[0usize; BINS]; 2];
+    for y in 0..height {
+        let is_row = is_inside(y, from[1], top, size.1);
+        for (x, level) in window.row(y).iter().enumerate() {
+            let is_own = is_row && is_inside(x, from[0], left, size.0);
+            counts[usize::from(!is_own)][bins[usize::from(*level)]] += 1;
+        }
+    }
+    counts.map(|counts| {
+        let sum = counts.iter().sum::<usize>().max(1) as f64;
+        counts.map(|count| count as f64 / sum)
+    })
+}
+
+/// The Bhattacharyya coefficient of two histograms.
+fn coefficient(a: &Shares, b: &Shares) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a * b).sqrt()).sum()
+}
