@@ -556,12 +556,12 @@ fn triangulation(measured: &Measured, rig: Option<&Calibration>, motion: &SpaceM
         formula,
         line("P", Role::Reference, measured.pixel, measured.disparity, motion.from),
         line("P′", Role::Measured, measured.next_pixel(), measured.next_disparity, motion.to),
-        depth_error(),
+        sigma_along_depth(),
     ]
 }
 
 /// The standard deviation of the scene flow along the depth, from that of a disparity.
-fn depth_error() -> Math {
+fn sigma_along_depth() -> Math {
     let sigma = |index| Math::indexed(Math::Var("σ"), Math::Var(index));
     let both = Math::Row(vec![Math::squared(sigma("Z")), Math::text(" + "), Math::squared(sigma("Z′"))]);
     let one = Math::over(
