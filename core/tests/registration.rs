@@ -291,6 +291,41 @@ fn along_stripes_the_translation_is_unknown() {
     }
 }
 
+/// The last sentence of phase correlation on a clip.
+fn told(clip: &Clip) -> String {
+    let mut walk = set("phase-correlation", &[]).walk(clip, 0).expect("a walk");
+    walk.jump(Move::End);
+    walk.step(None).sentence.plain()
+}
+
+#[test]
+fn stripes_under_noise_are_edges_of_one_direction() {
+    for (across, deviation) in [([1.0, 0.0], 6.0), ([0.0, 1.0], 10.0), ([0.8, 0.6], 6.0), ([0.96, -0.28], 0.0)] {
+        let frame = |t: i64| {
+            Frame::gray(Grid::from_fn(128, 96, |x, y| {
+                let along = across[0] * (x as f64 - 3.0 * t as f64) + across[1] * y as f64;
+                let off = f64::from(noise(x as i64 + 900 * (t + 1), y as i64)) / 127.5 - 1.0;
+                let level = 127.5 + 60.0 * (along * std::f64::consts::TAU / 16.0).sin();
+                (level + 3f64.sqrt() * deviation * off).round().clamp(0.0, 255.0) as u8
+            }))
+        };
+        let clip = Clip::from_frames("stripes", vec![frame(0), frame(1)]).expect("frames of one size");
+        assert_eq!(model(&*set("phase-correlation", &[]), &clip).matrix, None, "{across:?}");
+        let said = told(&clip);
+        assert!(said.contains("aperture problem") && said.contains("repeats every 16 px"), "{across:?}: {said}");
+    }
+}
+
+#[test]
+fn a_pattern_repeats_only_where_it_does() {
+    for (clip, repeats) in [("spin-zoom", false), ("translation", false), ("wallpaper", true)] {
+        let clip = synth::make(clip, &synth::scene(clip).expect("bundled").difficulty()).expect("a clip");
+        assert!(model(&*set("phase-correlation", &[]), &clip).matrix.is_some(), "an error can be measured");
+        let said = told(&clip);
+        assert_eq!(said.contains("The pattern repeats"), repeats, "{said}");
+    }
+}
+
 #[test]
 fn a_border_at_rest_does_not_pass_for_the_motion_of_the_picture() {
     let motion = [7, -4];

@@ -17,7 +17,9 @@ const EDGE_PX: usize = 2;
 /// A displacement fits if its residual is below this share of the contrast.
 const FITS: f64 = 0.5;
 /// Texture of one direction has a structure tensor with a smaller ratio of eigenvalues, noise included.
-const ONE_DIRECTION: f64 = 0.5;
+const ONE_DIRECTION: f64 = 0.7;
+/// A texture with an even smaller one has nothing else.
+const PURE: f64 = 0.02;
 /// Texture of one direction changes along its edges by less than this share of its change across them.
 const ALONG: f64 = 0.5;
 /// A displacement along the edges is compared from this length on, and up to that, in px.
@@ -74,7 +76,7 @@ impl Doubt {
                 let other = residual([0, 1].map(|i| at[i] + along[i]));
                 own.zip(other).is_none_or(|(own, other)| other <= (1.0 + ALIKE) * own + EQUAL * contrast)
             };
-            if !state.is_significant() || edges.along.iter().all(is_free) {
+            if edges.is_pure || !state.is_significant() || edges.along.iter().all(is_free) {
                 return Some(Self::Aperture { across: edges.across, period_px: edges.period(from, &counts) });
             }
         }
@@ -84,8 +86,11 @@ impl Doubt {
         let others: Vec<_> = others.filter_map(|other| Some((other, residual(other)?))).collect();
         // A smooth texture has no peak of its own where few of its frequencies are kept.
         let [reach, step] = NEAR_PX;
-        let near = || (-reach..=reach).step_by(step as usize);
-        let around = near().flat_map(|v| near().map(move |u| [at[0] + u, at[1] + v]));
+        let grid = |reach: i32, step: i32| {
+            let along = move || (-reach..=reach).step_by(step as usize);
+            along().flat_map(move |v| along().map(move |u| [at[0] + u, at[1] + v]))
+        };
+        let around = grid(reach, step).chain(grid(step, 1));
         let around = around.filter_map(|other| Some((other, residual(other)?)));
         let best = others.iter().copied().chain(around).min_by(|a, b| a.1.total_cmp(&b.1));
         if let Some((other, least)) = best.filter(|(_, least)| *least < BETTER * own && own - least > EQUAL * contrast)
@@ -179,6 +184,8 @@ fn contrast(picture: &Gray, counts: &Mask) -> f64 {
 struct Edges {
     /// The unit vector across them.
     across: [f64; 2],
+    /// Whether there is hardly a gradient in another direction, not even of noise.
+    is_pure: bool,
     /// Displacements along them, in px.
     along: Vec<[i32; 2]>,
     /// The mean absolute difference of the picture from itself in gray levels: displaced along them, and at most when displaced across them.
@@ -188,7 +195,7 @@ struct Edges {
 impl Edges {
     /// Those of a picture, if they have one direction: displaced along them it differs from itself by its noise alone, however far.
     fn of(picture: &Gray, counts: &Mask) -> Option<Self> {
-        let [x, y] = main_gradient(picture, counts)?;
+        let ([x, y], ratio) = main_gradient(picture, counts)?;
         let change = |by: [i32; 2]| residual([picture, picture], counts, by);
         let far = (picture.width().min(picture.height()) as i32 / 3).min(ALONG_PX[1]);
         let along = (ALONG_PX[0]..=far).map(|length| [-y, x].map(|c| (c * f64::from(length)).round() as i32));
@@ -201,7 +208,8 @@ impl Edges {
         let across = steps.filter_map(|step| change([x, y].map(|c| (c * f64::from(step)).round() as i32)));
         let most_across = across.fold(0.0, f64::max);
         let is_one = most < ALONG * most_across && most <= (1.0 + ALIKE) * first + EQUAL * most_across;
-        is_one.then_some(Self { across: [x, y], along, changes: [most, most_across] })
+        let is_pure = ratio < PURE;
+        (is_pure || is_one).then_some(Self { across: [x, y], is_pure, along, changes: [most, most_across] })
     }
 
     /// The period of the picture across the edges in px, if it repeats: after it, and after twice as much, the picture differs from itself by
@@ -224,8 +232,9 @@ impl Edges {
     }
 }
 
-/// The unit vector along most gradients of a picture, the eigenvector of its structure tensor, if they prefer a direction.
-fn main_gradient(picture: &Gray, counts: &Mask) -> Option<[f64; 2]> {
+/// The unit vector along most gradients of a picture, the eigenvector of its structure tensor, and the ratio of the eigenvalues, if the
+/// gradients prefer a direction.
+fn main_gradient(picture: &Gray, counts: &Mask) -> Option<([f64; 2], f64)> {
     let (width, height) = picture.size();
     let [mut xx, mut xy, mut yy] = [0.0; 3];
     for y in 1..height.saturating_sub(1) {
@@ -237,5 +246,6 @@ fn main_gradient(picture: &Gray, counts: &Mask) -> Option<[f64; 2]> {
     }
     let (half, root) = ((xx + yy) / 2.0, ((xx - yy) / 2.0).hypot(xy));
     let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
-    (half > 0.0 && half - root < ONE_DIRECTION * (half + root)).then(|| [angle.cos(), angle.sin()])
+    let ratio = (half - root) / (half + root);
+    (half > 0.0 && ratio < ONE_DIRECTION).then(|| ([angle.cos(), angle.sin()], ratio))
 }

@@ -66,7 +66,9 @@ fn doubted(doubt: &Doubt) -> String {
 /// The means against it.
 fn remedy(doubt: &Doubt) -> &'static str {
     match doubt {
-        Doubt::Contradicted { .. } => " Crop a part at rest, or use global motion, which tells such parts apart as outliers.",
+        Doubt::Contradicted { .. } => {
+            " Crop a part at rest, or use global motion, which tells such parts apart as outliers."
+        }
         Doubt::Repeats { .. } | Doubt::Aperture { .. } => {
             " No method finds more in this texture alone; a larger picture with corners or an end of the pattern would tell."
         }
@@ -255,8 +257,9 @@ impl PhaseCorrelation {
         }
         if !state.is_accepted() {
             return said.text("The translation remains unknown: the peak is ").ink(Role::Rejected, "rejected").text(format!(
-                ", because {} standard deviations of r are less than {}. The frames have no translation in common that most of the picture \
-                 shares; rotation, zoom or several motions need image alignment or matched features.",
+                ", because {} standard deviations of r are less than {}. The phases of most frequencies do not agree: the frames share no \
+                 translation, as with rotation, zoom or several motions, or noise covers a smooth texture. Image alignment or matched features \
+                 need no common phase.",
                 fixed(state.sigmas().unwrap_or_default(), 1),
                 fixed(state.least_sigmas, 1)
             ));

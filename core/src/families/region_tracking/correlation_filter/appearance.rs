@@ -6,9 +6,13 @@ use crate::geometry::{Border, Gray, Grid};
 use crate::products::Region;
 
 /// Bins of gray levels.
-const BINS: usize = 16;
-/// They reach so many standard deviations of the window to either side of its mean.
-const REACH: f64 = 2.5;
+const BINS: usize = 20;
+/// They reach this many standard deviations of the surroundings to either side of their median.
+const REACH: f64 = 4.0;
+/// The smallest standard deviation of the surroundings in gray levels: of noise.
+const LEAST_SIGMA: f64 = 4.0;
+/// The standard deviation of a normal distribution, as a multiple of its median absolute deviation.
+const SIGMA_OF_MAD: f64 = 1.4826;
 /// The box is compared at this distance from the region too, in px.
 const SHIFT_PX: isize = 2;
 /// A box with a smaller ZNCC no longer shows the pattern of the first frame.
@@ -18,10 +22,10 @@ const LIKE: f64 = 0.9;
 /// The gray levels are those of the surroundings rather than those of the object if the coefficients differ by more than this.
 const APART: f64 = 0.1;
 
-/// The shares of gray levels, relative to mean and standard deviation of the window.
+/// The shares of gray levels, relative to median and deviation of the surroundings, which a change of light changes alike.
 type Shares = [f64; BINS];
 
-/// The box of the region in the first frame.
+/// The ellipse in the region of the first frame: the corners of its box are background.
 #[derive(Clone)]
 pub struct Appearance {
     pixels: Gray,
@@ -75,7 +79,8 @@ impl Appearance {
         for y in 0..height {
             let row = luma.row(Border::Replicate.index(top + y as isize, luma.height()));
             let (mut row_sums, mut row_products) = ([0u64; 2], [0u64; 3]);
-            for (x, &a) in self.pixels.row(y).iter().enumerate() {
+            for x in columns(y, (width, height)) {
+                let a = self.pixels[(x, y)];
                 let b = u64::from(row[Border::Replicate.index(left + x as isize, row.len())]);
                 let a = u64::from(a);
                 row_sums = [row_sums[0] + a, row_sums[1] + b];
@@ -84,7 +89,7 @@ impl Appearance {
             (0..2).for_each(|i| sums[i] += row_sums[i] as f64);
             (0..3).for_each(|i| products[i] += row_products[i] as f64);
         }
-        let count = (width * height) as f64;
+        let count = (0..height).map(|y| columns(y, (width, height)).len()).sum::<usize>().max(1) as f64;
         let [aa, ab, bb] = products.map(|sum| sum / count);
         let [a, b] = sums.map(|sum| sum / count);
         // Of whole gray levels, so that a uniform box has less than that of a single pixel.
@@ -98,39 +103,66 @@ fn corner(center: [f32; 2], (width, height): (usize, usize)) -> [isize; 2] {
     [0, 1].map(|i| (center[i] - ([width, height][i] as f32 - 1.0) / 2.0).round() as isize)
 }
 
+/// The columns of the ellipse in a box of this size that lie in row `y`.
+fn columns(y: usize, (width, height): (usize, usize)) -> std::ops::Range<usize> {
+    let [a, b] = [width, height].map(|side| side as f64 / 2.0);
+    let dy = (y as f64 + 0.5 - b) / b;
+    let reach = a * (1.0 - dy * dy).max(0.0).sqrt();
+    (a - reach).round() as usize..(a + reach).round() as usize
+}
+
 /// The pixels of a box around a centre; beyond the border those at it.
 fn cut(luma: &Gray, center: [f32; 2], [width, height]: [usize; 2]) -> Gray {
     let [left, top] = corner(center, (width, height));
     Grid::from_fn(width, height, |x, y| luma.at(left + x as isize, top + y as isize, Border::Replicate))
 }
 
-/// The shares of gray levels inside a box around a centre, and in the rest of the window around it.
+/// The shares of gray levels in the ellipse in a box around a centre, and around the box in a window.
 fn shares(luma: &Gray, (center, size): ([f32; 2], (usize, usize)), (width, height): (usize, usize)) -> [Shares; 2] {
     let window = cut(luma, center, [width, height]);
     effort::add(width * height);
-    let count = (width * height) as f64;
-    let mean = window.cells().iter().map(|v| f64::from(*v)).sum::<f64>() / count;
-    let variance = window.cells().iter().map(|v| (f64::from(*v) - mean).powi(2)).sum::<f64>() / count;
-    let scale = BINS as f64 / (2.0 * REACH * variance.sqrt().max(1.0));
-    let bins: [usize; 256] = std::array::from_fn(|level| {
-        ((level as f64 - mean) * scale + BINS as f64 / 2.0).clamp(0.0, BINS as f64 - 1.0) as usize
-    });
-    let [[left, top], from] = [corner(center, size), corner(center, (width, height))];
-    let is_inside = |c: usize, from: isize, first: isize, extent: usize| {
-        (first..first + extent as isize).contains(&(from + c as isize))
-    };
-    let mut counts = [[0usize; BINS]; 2];
+    let [corner, from] = [corner(center, size), corner(center, (width, height))];
+    let [left, top] = [0, 1].map(|i| (corner[i] - from[i]).max(0) as usize);
+    // Of each gray level, in the ellipse and around the box.
+    let mut counts = [[0usize; 256]; 2];
     for y in 0..height {
-        let is_row = is_inside(y, from[1], top, size.1);
+        let row = (y >= top && y < top + size.1).then(|| columns(y - top, size));
         for (x, level) in window.row(y).iter().enumerate() {
-            let is_own = is_row && is_inside(x, from[0], left, size.0);
-            counts[usize::from(!is_own)][bins[usize::from(*level)]] += 1;
+            match &row {
+                Some(own) if x >= left && x < left + size.0 => {
+                    counts[0][usize::from(*level)] += usize::from(own.contains(&(x - left)));
+                }
+                _ => counts[1][usize::from(*level)] += 1,
+            }
         }
     }
+    let median = median(counts[1].iter().copied().enumerate());
+    let mut off = [0usize; 256];
+    counts[1].iter().enumerate().for_each(|(level, count)| off[level.abs_diff(median)] += count);
+    let sigma = (SIGMA_OF_MAD * self::median(off.into_iter().enumerate()) as f64).max(LEAST_SIGMA);
+    let bin = |level: usize| {
+        let off = (level as f64 - median as f64) / (2.0 * REACH * sigma) + 0.5;
+        (off * BINS as f64).clamp(0.0, BINS as f64 - 1.0) as usize
+    };
     counts.map(|counts| {
         let sum = counts.iter().sum::<usize>().max(1) as f64;
-        counts.map(|count| count as f64 / sum)
+        let mut shares = [0.0; BINS];
+        counts.iter().enumerate().for_each(|(level, count)| shares[bin(level)] += *count as f64 / sum);
+        shares
     })
+}
+
+/// The median of values with their counts, in ascending order; 0 of none.
+fn median(counts: impl Iterator<Item = (usize, usize)> + Clone) -> usize {
+    let half = counts.clone().map(|(_, count)| count).sum::<usize>().div_ceil(2);
+    let mut below = 0;
+    counts
+        .into_iter()
+        .find(|(_, count)| {
+            below += count;
+            below >= half
+        })
+        .map_or(0, |(value, _)| value)
 }
 
 /// The Bhattacharyya coefficient of two histograms.
