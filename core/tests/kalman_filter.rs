@@ -592,7 +592,7 @@ fn a_diverged_filter_restarts_with_the_model_that_explains_its_detections() {
         "{said}"
     );
     let end = &told.last().expect("steps").1;
-    assert!(end.contains("restarted with constant acceleration") && !end.contains("rejected"), "{end}");
+    assert!(end.contains("from frame 0 with constant acceleration") && !end.contains("rejected"), "{end}");
 }
 
 #[test]

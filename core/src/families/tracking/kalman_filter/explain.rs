@@ -603,23 +603,37 @@ fn retried(retry: &Retry) -> Sentence {
         trials(&retry.others)
     ));
     match &retry.restart {
-        Some(Restart { trial, filter, .. }) => said
-            .text("The track is restarted with ")
-            .ink(Role::Result, motion_name(trial.motion))
-            .text(format!(", which accepts the rejected ones too: {} px.", place(filter.place()))),
+        Some(restart) => said
+            .text(if restart.first == retry.first {
+                "The track is restarted with ".to_owned()
+            } else {
+                format!(
+                    "It started with something else: from frame {} the most consistent motion is tracked with ",
+                    restart.first
+                )
+            })
+            .ink(Role::Result, motion_name(restart.trial.motion))
+            .text(format!(
+                ", which accepts {} of {}: {} px.",
+                restart.trial.accepted,
+                restart.trial.measured,
+                place(restart.filter.place())
+            )),
         None => said.text("No model accepts the rejected ones, so the track goes on as it is."),
     }
 }
 
 /// The last restart of a run in words, or nothing.
 fn restarted(retry: &Retry) -> String {
-    let Some(Restart { trial, .. }) = &retry.restart else { return String::new() };
+    let Some(Restart { trial, first, .. }) = &retry.restart else { return String::new() };
     format!(
-        " The filter had diverged in frame {}: {}. The track was restarted with {} (parameter Motion), which accepts {}.",
+        " The filter had diverged in frame {}: {}. The track was restarted from frame {first} with {} (parameter Motion), which \
+         accepts {} of {}.",
         retry.frame,
         accepts(&retry.diverged),
         motion_name(trial.motion),
-        trial.accepted
+        trial.accepted,
+        trial.measured
     )
 }
 

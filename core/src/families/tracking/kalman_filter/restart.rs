@@ -57,6 +57,8 @@ pub struct Retry {
 #[derive(Clone, Debug)]
 pub struct Restart {
     pub trial: Trial,
+    /// Its first frame: that of the diverged track, or a later one if that started with something else.
+    pub first: usize,
     /// The estimate in the current frame.
     pub filter: Filter,
     /// The positions from the first frame of the track on.
@@ -76,7 +78,8 @@ impl KalmanFilter {
     /// of this frame after a restart; `None` if the filter has not diverged.
     ///
     /// A model explains the detections if it accepts the ones that were rejected lately and rejects less than half as many in all. A model
-    /// that would follow another object behind an occlusion meets the gate in the same frames.
+    /// that would follow another object behind an occlusion meets the gate in the same frames. Where no model explains them and the gate has
+    /// rejected most of the track, it started with something else: a track starts anew at the first rejected detection.
     pub(super) fn retried(
         &self,
         clip: &Clip,
@@ -102,7 +105,7 @@ impl KalmanFilter {
         };
         let mut best: Option<Followed> = None;
         for motion in MODELS.into_iter().filter(|motion| !is_same(*motion, state.motion)) {
-            let Some(again) = self.filtered_again((clip, state), (motion, start))? else { continue };
+            let Some(again) = self.filtered_again((clip, state), (motion, start), state.begun - 1)? else { continue };
             retry.others.push(again.trial);
             let records = &again.state.records[start..];
             let is_explained = |i: &usize| {
@@ -116,10 +119,18 @@ impl KalmanFilter {
                 best = Some(again);
             }
         }
+        let mut start = start;
+        if best.is_none() && self.is_started_with_something_else(state, &diverged) {
+            start += rejected[0];
+            best = self.begun_anew((clip, state), start)?;
+        }
         let restarted = best.map(|mut best| {
             let estimates = best.state.records[start..].iter().map(|record| &**record).chain([&best.record]);
             let path = estimates.filter_map(|record| Some(record.filtered?.place())).collect();
-            retry.restart = best.state.filter.map(|filter| Restart { trial: best.trial, filter, path });
+            // The most consistent motion may begin later.
+            let begun = best.state.records.iter().rposition(|record| record.begins).unwrap_or(start);
+            let first = state.span.first + begun;
+            retry.restart = best.state.filter.map(|filter| Restart { trial: best.trial, first, filter, path });
             best.state.fresh = best.state.records.len() - start + 1;
             (best.state, best.record)
         });
@@ -131,11 +142,31 @@ impl KalmanFilter {
         self.restart && self.sensors == Sensors::One
     }
 
+    /// Whether a track that is chosen by its motion has hardly any measurements of its own.
+    fn is_started_with_something_else(&self, state: &State, diverged: &Trial) -> bool {
+        let is_chosen_by_motion = state.detector.is_moving() && self.clicks.all().is_empty() && self.object == 1;
+        is_chosen_by_motion && diverged.rejected() >= 2 * LEAST_REJECTED && 2 * diverged.rejected() > diverged.measured
+    }
+
+    /// Starts a track anew at a frame, with the motion model of the track or another one that accepts all its measurements.
+    fn begun_anew(&self, (clip, state): (&Clip, &State), start: usize) -> Result<Option<Followed>, Error> {
+        let others = MODELS.into_iter().filter(|motion| !is_same(*motion, state.motion));
+        for motion in std::iter::once(state.motion).chain(others) {
+            let again = self.filtered_again((clip, state), (motion, start), state.begun)?;
+            let is_explained = |again: &Followed| again.trial.rejected() == 0 && again.trial.measured >= LEAST_REJECTED;
+            if let Some(again) = again.filter(is_explained) {
+                return Ok(Some(again));
+            }
+        }
+        Ok(None)
+    }
+
     /// Filters the frames of a track again, up to the current one; `None` if that track ends before.
     fn filtered_again(
         &self,
         (clip, state): (&Clip, &State),
         (motion, start): (MotionModel, usize),
+        begun: u32,
     ) -> Result<Option<Followed>, Error> {
         let plain = Self { restart: false, ..self.clone() };
         let mut again = State {
@@ -143,7 +174,7 @@ impl KalmanFilter {
             records: state.records[..start].to_vec(),
             filter: None,
             missed: 0,
-            begun: state.begun - 1,
+            begun,
             extent: None,
             truth_id: None,
             ..state.clone()
@@ -153,7 +184,7 @@ impl KalmanFilter {
             again.records.push(Arc::new(record));
         }
         let record = plain.filter_frame(clip, &mut again, &mut ())?;
-        if again.filter.is_none() || again.begun != state.begun {
+        if again.filter.is_none() || again.begun != begun + 1 {
             return Ok(None);
         }
         let trial = Trial::of(motion, &again.records[start..], Some(&record));
