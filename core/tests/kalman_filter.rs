@@ -142,7 +142,8 @@ fn one_is_scored_against_the_one_that_it_follows() {
 #[test]
 fn an_inconsistent_filter_shows_in_the_plot() {
     // A thrown ball is not of constant velocity: what is measured falls out of the gate, and counts all the same.
-    let (clip, filter) = (scene("fast-ball"), set("kalman-filter", &[("process-noise", "0.1"), ("smooth", "off")]));
+    let settings = [("process-noise", "0.1"), ("smooth", "off"), ("restart", "off")];
+    let (clip, filter) = (scene("fast-ball"), set("kalman-filter", &settings));
     let Series { lines, bands, thresholds, .. } = series(&*filter, &clip, "NIS");
     let named = |name: &str| lines.iter().find(|(other, ..)| *other == name).map(|(.., points)| points.clone());
     let (all, refused) = (named("NIS").expect("a line"), named("rejected").expect("marked"));
@@ -193,7 +194,7 @@ fn mean_nees(clip: &Clip, settings: &[(&str, &str)]) -> Vec<f64> {
 #[test]
 fn the_estimator_is_consistent_on_clips_over_a_hundred_seeds() {
     let [low, high] = [0.025, 0.975].map(|p| chi_square::quantile(p, 200) / 100.0);
-    let common = [("source", "truth"), ("smooth", "off"), ("gate", "0.9999")];
+    let common = [("source", "truth"), ("smooth", "off"), ("gate", "0.9999"), ("restart", "off")];
     // Stars turn a little on their way; a ball falls.
     for (id, model) in [
         ("crossing-stars", [("motion", "velocity"), ("process-noise", "0.4")]),
@@ -544,4 +545,88 @@ fn clicks_on_a_thrown_ball_show_that_constant_velocity_is_biased() {
     let said = walk.step(None).sentence.plain();
     assert!(said.contains("The innovations are biased by") && said.contains("constant acceleration"), "{said}");
     assert!(!said.contains("the filter is consistent"), "{said}");
+}
+
+/// A hand that rests, and a ball that it has thrown: 12 px/frame² down.
+fn thrown(frames: usize) -> (Clip, Vec<[f64; 2]>) {
+    let ball = |t: usize| [100.0 + 20.0 * t as f32, 400.0 - 84.0 * t as f32 + 6.0 * (t * t) as f32];
+    let rows_of = |t: usize| vec![found(ball(t), [12.0; 2], 0.9), found([20.0, 480.0], [40.0; 2], 0.8)];
+    (rows((0..frames).map(rows_of).collect()), (0..frames).map(|t| ball(t).map(f64::from)).collect())
+}
+
+/// The largest error of the estimates in px; infinite where there is none.
+fn largest_error(field: &ObjectField, truth: &[[f64; 2]]) -> f64 {
+    let error = |(frame, at): (&std::sync::Arc<motionscope_core::ObjectFrame>, &[f64; 2])| {
+        frame.objects.first().map_or(f64::INFINITY, |object| distance(object.position, *at))
+    };
+    field.frames.iter().zip(truth).map(error).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_diverged_filter_restarts_with_the_model_that_explains_its_detections() {
+    let (clip, ball) = thrown(16);
+    let circle = |t: usize| {
+        let angle = 0.35 * t as f64;
+        [300.0 + 80.0 * angle.cos(), 240.0 + 80.0 * angle.sin()]
+    };
+    let turning: Vec<[f64; 2]> = (0..24).map(circle).collect();
+    let turns = rows(turning.iter().map(|at| vec![found(at.map(|c| c as f32), [12.0; 2], 0.9)]).collect());
+    for (clip, truth) in [(&clip, &ball), (&turns, &turning)] {
+        for smooth in ["on", "off"] {
+            let of = |on| run(&*set("kalman-filter", &[("restart", on), ("smooth", smooth)]), clip);
+            let [kept, restarted] = ["off", "on"].map(|on| largest_error(&of(on), truth));
+            assert!(kept > 40.0 && restarted < 5.0, "{kept} px without a restart, {restarted} px with one");
+        }
+    }
+    let mut told = Vec::new();
+    steps(&*set("kalman-filter", &[]), &clip, |walk| {
+        let step = walk.step(None);
+        told.push((step.line.as_str(), step.sentence.plain()));
+    });
+    let restarts: Vec<&String> = told.iter().filter(|(line, _)| *line == "restart").map(|(_, said)| said).collect();
+    let [said] = restarts[..] else { panic!("{} restarts", restarts.len()) };
+    // Both models with the detections that they accept.
+    assert!(said.contains("restarted with constant acceleration"), "{said}");
+    assert!(
+        said.contains("constant velocity accepts 2 of 5") && said.contains("acceleration accepts 5 of 5"),
+        "{said}"
+    );
+    let end = &told.last().expect("steps").1;
+    assert!(end.contains("from frame 0 with constant acceleration") && !end.contains("rejected"), "{end}");
+}
+
+#[test]
+fn a_filter_that_has_not_diverged_is_not_restarted() {
+    // Single outliers, a jump that no model explains, an occlusion with other objects in view, and a good track.
+    let mut jump = vec![vec![found([100.0, 100.0], [10.0; 2], 1.0)]; 4];
+    jump.extend(vec![vec![found([400.0, 300.0], [10.0; 2], 1.0)]; 8]);
+    let clips = [astray(20, &[8, 14]), rows(jump), scene("traffic"), scene("crossing-stars")];
+    for clip in &clips {
+        for motion in ["velocity", "acceleration", "turn"] {
+            let of = |on| run(&*set("kalman-filter", &[("restart", on), ("motion", motion)]), clip);
+            let places = |field: &ObjectField| -> Vec<Option<[f64; 2]>> {
+                field.frames.iter().map(|frame| frame.objects.first().map(|object| object.position)).collect()
+            };
+            assert_eq!(places(&of("on")), places(&of("off")), "{} with {motion}", clip.info().name);
+        }
+    }
+    let mut told = String::new();
+    steps(&*set("kalman-filter", &[]), &clips[1], |walk| told += &walk.step(None).sentence.plain());
+    assert!(told.contains("No model accepts the rejected ones") && !told.contains("is restarted"), "{told}");
+}
+
+#[test]
+fn a_walk_restarts_as_a_run_does_and_goes_back() {
+    let (clip, ball) = thrown(16);
+    let filter = set("kalman-filter", &[]);
+    let mut walk = filter.walk(&clip, 0).expect("a run");
+    walk.jump(Move::End);
+    let whole = walk.output().get::<ObjectField>().expect("objects").clone();
+    assert!(largest_error(&whole, &ball) < 5.0);
+    // Before the divergence shows, the track is that of the chosen model.
+    walk.jump(Move::To(motionscope_core::Cursor { unit: 4, event: 0 }));
+    let early = walk.output().get::<ObjectField>().expect("objects").clone();
+    assert!(early.frames.len() <= 5, "{} frames", early.frames.len());
+    walk.jump(Move::End);
+    assert_eq!(walk.output().get::<ObjectField>().expect("objects").frames.len(), whole.frames.len());
 }

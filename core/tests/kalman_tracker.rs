@@ -453,3 +453,31 @@ fn the_formula_of_a_pair_ends_with_the_condition_that_it_meets() {
     assert!(sentence.contains("IoU with the last box"), "{sentence}");
     assert!(lines[0] == "C = 1 − IoU of the last box" && lines[2].ends_with("≥ 0.250"), "{lines:?}");
 }
+
+#[test]
+fn filters_that_assume_too_little_noise_show_in_the_mean_nis_of_detections_from_a_file() {
+    // Three objects 60 px high whose positions have a standard deviation of 6 px, 0.1 of the height; a file tells no noise.
+    let noise = |seed: usize| {
+        let uniform = |i: usize| {
+            let mixed = ((seed * 12 + i + 1) as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            let mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            ((mixed ^ (mixed >> 27)) >> 40) as f32 / (1u64 << 24) as f32
+        };
+        6.0 * ((0..12).map(uniform).sum::<f32>() - 6.0)
+    };
+    let object = |t: usize, id: usize| {
+        let [dx, dy] = [0, 1].map(|axis| noise(2 * (3 * t + id) + axis));
+        found([80.0 + 3.0 * t as f32 + dx, 100.0 + 130.0 * id as f32 + dy], [40.0, 60.0], 0.9)
+    };
+    let clip = rows((0..60).map(|t| (0..3).map(|id| object(t, id)).collect()).collect());
+    for id in ["kalman-tracker", "joint-probabilistic", "multiple-hypothesis"] {
+        let conclusion = |measurement_noise: &str| {
+            let mut walk = set(id, &[("measurement-noise", measurement_noise)]).walk(&clip, 0).expect("a run");
+            walk.jump(Move::End);
+            walk.step(None).sentence.plain()
+        };
+        let [small, right] = ["0.05", "0.1"].map(conclusion);
+        assert!(small.contains("above the 95 % band") && small.contains("measurement noise R"), "{id}: {small}");
+        assert!(!right.contains("Mean NIS"), "{id}: {right}");
+    }
+}

@@ -124,8 +124,11 @@ fn what_looks_different_from_its_first_view_is_lost() {
         field.tracks.iter().filter_map(|track| Some(track.points.last()?.status)).collect()
     };
     let changed = |statuses: &[Status]| statuses.iter().filter(|status| **status == Status::Changed).count();
+    // A few windows of the other picture resemble the first view by chance.
     let checked = statuses(&[]);
-    assert!(changed(&checked) * 10 > checked.len() * 9, "{} of {}: {checked:?}", changed(&checked), checked.len());
+    assert!(changed(&checked) * 10 > checked.len() * 6, "{} of {}: {checked:?}", changed(&checked), checked.len());
+    let strict = statuses(&[("min-correlation", "1")]);
+    assert!(changed(&strict) * 10 > strict.len() * 9, "{} of {}: {strict:?}", changed(&strict), strict.len());
     assert_eq!(changed(&statuses(&[("max-dissimilarity", "0")])), 0);
 }
 
@@ -258,4 +261,34 @@ fn features_are_kept_where_the_light_changes() {
     let [with, without] = ["on", "off"].map(|illumination| lost(illumination, 1.0));
     // Tracking from frame to frame takes fading for motion: a few drift off, and are rightly lost.
     assert!(without > 30 && 10 * with < without, "{with} with any light, {without} without");
+}
+
+#[test]
+fn what_deforms_is_kept_and_what_is_covered_is_lost() {
+    // Cloth: the pattern sways by waves that no affine map of a window describes, and nothing comes into it.
+    let cloth = clip(16, |t, [x, y]| {
+        let sway = (t / 15.0) * 2.5;
+        [x - 0.4 * t + sway * (0.55 * y).sin(), y + sway * (0.6 * x).sin()]
+    });
+    // A plate with a pattern of its own slides over the left half.
+    let covered = |t: usize| {
+        let edge = 4.0 * t as f64;
+        Frame::gray(Grid::from_fn(SIZE.0, SIZE.1, |x, y| {
+            let (x, y) = (x as f64, y as f64);
+            (if x < edge { waves(y + 311.0, 200.0 - x + edge) } else { waves(x, y) } + 0.5) as u8
+        }))
+    };
+    let covered = Clip::from_frames("cover", (0..16).map(covered).collect()).expect("frames of one size");
+    let field = |clip: &Clip, correlation: &str| {
+        let settings = [("frames", "16"), ("replenish", "off"), ("min-correlation", correlation), ("max-points", "80")];
+        tracks(&settings, clip)
+    };
+    let alive = |field: &TrackField| field.tracks.iter().filter(|track| track.is_alive()).count();
+    let [strict, kept] = ["1", "0.5"].map(|correlation| field(&cloth, correlation));
+    assert!(alive(&kept) >= 2 * alive(&strict) && alive(&kept) > 40, "{} kept, {}", alive(&kept), alive(&strict));
+    // Covered in the last frame: left of 60 px, by a window and more.
+    let field = field(&covered, "0.5");
+    let hidden = field.tracks.iter().filter(|track| track.points[0].at[0] < 45.0);
+    let (all, left) = (hidden.clone().count(), hidden.filter(|track| track.is_alive()).count());
+    assert!(all > 15 && 10 * left <= all, "{left} of {all} covered features are left");
 }

@@ -195,3 +195,44 @@ fn who_ends_in_the_zone_is_not_counted_there_for_ever() {
     };
     assert_eq!([inside(5), inside(18), inside(58)], ["0", "1", "0"]);
 }
+
+#[test]
+fn a_car_against_its_lane_is_the_only_anomaly_and_counted_the_other_way() {
+    const LINE_X: f64 = 160.0;
+    let sample = synth::scene("wrong-way").expect("it is bundled");
+    let clip = sample.clip(&sample.difficulty()).expect("a clip");
+    let truth = clip.truth().expect("exact");
+    let frames = clip.info().frames.expect("a synthetic clip has an end");
+    let mut paths: BTreeMap<u32, Vec<[f64; 2]>> = BTreeMap::new();
+    for t in 0..frames {
+        for object in truth.objects(t).expect("readable").unwrap_or_default().iter().filter(|o| o.visibility > 0.3) {
+            let center = [object.x + object.width / 2.0, object.y + object.height / 2.0].map(f64::from);
+            paths.entry(object.id).or_default().push(center);
+        }
+    }
+    // The lower lane leads to the right; its one car to the left is the wrong-way driver.
+    let velocity = |path: &[[f64; 2]]| path[path.len() - 1][0] - path[0][0];
+    let wrong: Vec<u32> =
+        paths.iter().filter(|(_, path)| path[0][1] > 122.0 && velocity(path) < 0.0).map(|p| *p.0).collect();
+    assert_eq!(wrong, [7]);
+    let passes = |path: &[[f64; 2]]| {
+        path[0][0].min(path[path.len() - 1][0]) < LINE_X && path[0][0].max(path[path.len() - 1][0]) > LINE_X
+    };
+    let ways = paths.values().filter(|path| passes(path)).map(|path| velocity(path) > 0.0);
+    let (right, left): (Vec<bool>, Vec<bool>) = ways.partition(|way| *way);
+    for seed in ["1", "2", "3", "4", "5"] {
+        let settings = [("lines", "160,239,160,0"), ("zones", "96,122,224,168"), ("seed", seed)];
+        let field = run(&*analysis(&settings), &clip);
+        assert_eq!(crossings(&field.trajectories), [right.len(), left.len()], "noise {seed}");
+        let unusual: Vec<_> =
+            field.trajectories.iter().filter(|of| of.sightings.iter().any(|seen| seen.anomaly.is_some())).collect();
+        let [of] = unusual[..] else { panic!("noise {seed}: {} anomalies", unusual.len()) };
+        let last = of.sightings.last().expect("it is seen");
+        let expected = paths[&wrong[0]].last().expect("it is there");
+        assert!(
+            (0..2).all(|i| (last.at[i] - expected[i]).abs() < 6.0),
+            "noise {seed}: {last:?} is not at {expected:?}"
+        );
+        assert_eq!(of.dwells.len(), 1, "noise {seed}: it is in the zone once");
+    }
+}

@@ -259,7 +259,7 @@ pub(super) const EXAMPLES: &[Example] = &[
         of: &["klt"],
         cause: Some(Cause::Noise),
         clip: "translation,noise=20,frames=8",
-        settings: &[],
+        settings: &[("min-correlation", "1")],
         frame: 0,
         says: "The affine fit of the first view leaves a dissimilarity above 12 gray levels, although the feature is the same: noise \
                alone makes it. A larger window without that check keeps the features.",

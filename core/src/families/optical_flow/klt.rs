@@ -52,6 +52,9 @@ params! {
         max_fb_error: f32 = 1.0, 0.0..=100.0, "px";
         /// Largest accepted dissimilarity from the first view after an affine fit (Shi–Tomasi), a mean absolute difference in gray levels. 0 disables the check.
         max_dissimilarity: f32 = 12.0, 0.0..=255.0;
+        /// Correlation with the first view at and above which a feature is kept, although its dissimilarity is above the limit or its affine fit
+        /// diverges: limbs and cloth deform otherwise than by an affine map. 1 keeps none of these. Used with illumination only.
+        min_correlation: f32 = 0.5, 0.0..=1.0;
         /// Fit gain and offset of the gray values as well, so that changes in illumination do not count as dissimilarity.
         illumination: bool = true;
     }
@@ -62,9 +65,11 @@ params! {
         "max-change" => "max-dissimilarity",
         "any-light" => "illumination",
     }
-    advanced { "iterations", "epsilon", "max-residual", "max-fb-error", "max-dissimilarity", "illumination" }
+    advanced { "iterations", "epsilon", "max-residual", "max-fb-error", "max-dissimilarity", "min-correlation", "illumination" }
     when {
         "illumination": |p| p.max_dissimilarity > 0.0, "Illumination has no effect without the dissimilarity check.";
+        "min-correlation": |p| p.max_dissimilarity > 0.0, "The correlation has no effect without the dissimilarity check.";
+        "min-correlation": |p| p.illumination, "The correlation has no effect where illumination must not change: it does not depend on gain and offset.";
     }
 }
 
@@ -108,6 +113,12 @@ struct Live {
 }
 
 impl Live {
+    /// Returns the correlation of its window in `next` at `at` with its first view as it was deformed last; `None` where it is undefined.
+    fn correlation(&self, next: &Level, at: [f32; 2]) -> Option<f32> {
+        let fit = Fit { matrix: self.matrix, shift: [0.0; 2], light: SAME_LIGHT, difference: 0.0, share: 1.0 };
+        self.view.correlation(&self.view.warped(next, at, &fit))
+    }
+
     /// Returns the feature with an updated affine fit.
     fn seen_as(self, fit: &Fit) -> Self {
         Self { matrix: fit.matrix, light: fit.light, ..self }
@@ -147,6 +158,8 @@ pub enum Event {
     Back(Result<[f32; 2], Status>),
     /// An iteration of the affine fit.
     Fit(Fit),
+    /// The correlation with the first view, where the fit does not explain the window; `None` where it is undefined.
+    Correlated(Option<f32>),
     /// The result of the feature.
     Verdict(Feature),
 }
@@ -230,7 +243,7 @@ impl Klt {
         (displacement, if returned.is_err() || off_px > self.max_fb_error { Err(Status::Astray) } else { result })
     }
 
-    /// Fits the first view at the tracked position; an error if the dissimilarity is too large.
+    /// Fits the first view at the tracked position; an error if the dissimilarity is too large and the window does not resemble the view.
     fn changed(
         &self,
         pair: &Pair,
@@ -242,12 +255,22 @@ impl Klt {
             return Ok(next);
         }
         let start = Start { matrix: live.matrix, light: self.illumination.then_some(live.light) };
-        match live.view.fit(&pair.pyramids[1][0], to, start, &mut Mapped { observer, map: Event::Fit }) {
+        let level = &pair.pyramids[1][0];
+        let kept = match live.view.fit(level, to, start, &mut Mapped { observer: &mut *observer, map: Event::Fit }) {
             // Near the border too little of the view is visible.
-            Err(FitFailure::Undetermined) => Ok(next),
-            Err(FitFailure::Diverged) => Err(Status::Changed),
-            Ok(fit) if fit.difference > self.max_dissimilarity => Err(Status::Changed),
-            Ok(fit) => Ok(next.seen_as(&fit)),
+            Err(FitFailure::Undetermined) => return Ok(next),
+            Ok(fit) if fit.difference <= self.max_dissimilarity => return Ok(next.seen_as(&fit)),
+            Ok(fit) => next.seen_as(&fit),
+            Err(FitFailure::Diverged) => next,
+        };
+        if !self.illumination {
+            return Err(Status::Changed);
+        }
+        let correlation = live.correlation(level, to);
+        observer.see(|| Event::Correlated(correlation));
+        match correlation {
+            Some(correlation) if correlation >= self.min_correlation => Ok(kept),
+            _ => Err(Status::Changed),
         }
     }
 
@@ -284,7 +307,8 @@ pseudocode! {
     TRACK: "    d ← displacement to frame t+1, by pyramidal Lucas–Kanade",
     TRACK_BACK: "    b ← displacement back to frame t; lost if |d + b| > max-fb-error",
     FIT_FIRST_VIEW: "    (A, s, λ, δ) ← affine fit of the first view to frame t+1, with gain and offset",
-    IS_CHANGED: "    lost if the dissimilarity of the fit > max-dissimilarity",
+    CORRELATE: "    dissimilarity > max-dissimilarity, or no fit: ρ ← correlation of the window with the first view",
+    IS_CHANGED: "    lost if ρ < min-correlation",
     MOVE: "    else x ← x + d",
 }
 

@@ -4,6 +4,7 @@ mod consistent;
 mod explain;
 mod matrices;
 mod modes;
+mod restart;
 mod sensors;
 
 use std::collections::BTreeSet;
@@ -25,6 +26,7 @@ use crate::run::{Estimator, Footprint, Foreground, Granularity, Guarantee, Info,
 use crate::scene::{Case, Chart, Question, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
+use restart::Retry;
 use sensors::{Observations, SensorReading, Sensors};
 
 choices! {
@@ -95,6 +97,9 @@ params! {
         occlusion_frames: usize = 0, 0..=1000;
         /// Missed frames in a row before the track is deleted; the next measurement starts a new track. A track far outside the picture is deleted at once.
         max_age: usize = 30, 1..=1000;
+        /// Filter the detections of a diverged track again with the other motion models, and restart it with the one that accepts them. A track
+        /// has diverged when the gate has rejected most of its latest measurements, at least 3.
+        restart: bool = true;
         /// Initial standard deviation of each velocity component; the initial velocity is 0.
         initial_speed: f32 = 30.0, 0.1..=500.0, "px/frame";
         /// Probability inside the drawn covariance ellipses.
@@ -109,7 +114,7 @@ params! {
         "drop-from" => "occlusion-start",
         "drop-frames" => "occlusion-frames",
     }
-    advanced { "seed", "gate", "occlusion-start", "occlusion-frames", "max-age", "initial-speed" }
+    advanced { "seed", "gate", "occlusion-start", "occlusion-frames", "max-age", "restart", "initial-speed" }
     when {
         "turn-noise": |p| p.motion.turns(),
             "Turn noise has no effect unless the motion is a coordinated turn.";
@@ -128,6 +133,8 @@ params! {
             "The noise of the second sensor has no effect with one sensor.";
         "velocity-noise": |p| p.sensors == Sensors::WithVelocity,
             "Velocity noise has no effect where no sensor measures the velocity.";
+        "restart": |p| p.source != Source::Clicks, "Restarting has no effect on clicks: the gate rejects none.";
+        "restart": |p| p.sensors == Sensors::One, "Restarting has no effect with two sensors.";
         "occlusion-start": |p| p.occlusion_frames > 0,
             "The start of the occlusion has no effect without occluded frames.";
     }
@@ -142,6 +149,12 @@ pub struct State {
     truth_id: Option<u32>,
     /// The true identities of all objects tracked so far.
     truth_ids: BTreeSet<u32>,
+    /// The motion model of the track: the chosen one, or that of the last restart.
+    motion: MotionModel,
+    /// The last attempt to restart a diverged track.
+    retry: Option<Arc<Retry>>,
+    /// The number of latest results that the last frame has made: after a restart those of the whole track.
+    fresh: usize,
     /// The current state estimate, if there is a track.
     filter: Option<Filter>,
     /// Frames in a row without a measurement.
@@ -208,6 +221,8 @@ pub enum Event {
     Weighed(Box<(Gated, Filter)>),
     /// A track starts with a measurement, one of this many detections.
     Begun(Box<Filter>, usize),
+    /// The detections of a diverged track are filtered again.
+    Retried(Arc<Retry>),
     /// No accepted measurement: the prediction, if there is a track.
     Missed(Option<Box<Filter>>),
     /// A deleted track.
@@ -322,6 +337,15 @@ impl KalmanFilter {
                         (filter, is_seen, taken) = (updated, true, taken.or(reading.detection));
                     }
                 }
+                if !is_seen && let Some((retry, restarted)) = self.retried(clip, state, &record)? {
+                    let retry = Arc::new(retry);
+                    observer.see(|| Event::Retried(Arc::clone(&retry)));
+                    if let Some((followed, record)) = restarted {
+                        *state = State { retry: Some(retry), ..followed };
+                        return Ok(record);
+                    }
+                    state.retry = Some(retry);
+                }
                 self.go_on(state, (filter, is_seen), observer);
             }
         }
@@ -349,7 +373,7 @@ impl KalmanFilter {
             observer.see(|| Event::Missed(None));
             return Ok(None);
         };
-        let model = self.motion.model(Noises {
+        let model = state.motion.model(Noises {
             acceleration: self.process_noise,
             turn_deg: self.turn_noise,
             switch: self.mode_switch,
@@ -423,6 +447,7 @@ pseudocode! {
     GATE: "  gate: innovation ν ← z − H x, S ← H P H^T + R; accept if d² = ν^T S⁻¹ ν ≤ γ",
     UPDATE: "  update: K ← P H^T S⁻¹, x ← x + K ν, P ← (I − K H) P (I − K H)^T + K R K^T (Joseph form)",
     WEIGH_MODES: "  motion = imm: μ(j) ← μ(j) N(ν(j); 0, S(j)), to a sum of 1; x, P ← moments of the modes with weights μ",
+    RESTART: "  diverged (most of the latest z rejected): filter the track again with each other motion model; restart with the one that accepts them",
     COAST_OR_END: "  no measurement accepted: coast with the predicted x, P; delete if missed > max-age frames",
     EACH_FRAME_BACK: "for each frame t, backward",
     SMOOTH: "  smooth: C ← P F^T P⁻¹(t+1|t), x ← x + C (x(t+1) − x(t+1|t)), P ← P + C (P(t+1) − P(t+1|t)) C^T",
@@ -480,6 +505,9 @@ impl Estimator for KalmanFilter {
             detector,
             truth_id: None,
             truth_ids: BTreeSet::new(),
+            motion: self.motion,
+            retry: None,
+            fresh: 0,
             filter: None,
             missed: 0,
             begun: 0,
@@ -496,6 +524,7 @@ impl Estimator for KalmanFilter {
             state.back = Some(done + 1);
             return Ok(if done + 1 < state.records.len() { Progress::More } else { Progress::Done });
         }
+        state.fresh = 1;
         let record = self.filter_frame(clip, state, observer)?;
         state.records.push(Arc::new(record));
         if !state.span.is_over(clip, state.span.first + state.records.len()) {
@@ -530,6 +559,7 @@ impl Estimator for KalmanFilter {
         match event {
             Event::Gated(gated) if !gated.is_inside() => Some(Role::Rejected),
             Event::Lost(..) => Some(Role::Error),
+            Event::Retried(_) => Some(Role::Result),
             Event::Missed(Some(_)) => Some(Role::Predicted),
             _ => None,
         }
@@ -569,10 +599,11 @@ impl Footprint<State> for KalmanFilter {
     }
 
     fn state_bytes(&self, state: &State) -> usize {
-        // Earlier frames are shared with the states before; smoothed ones are copies.
-        let smoothed = state.records.iter().rev().take(state.back.unwrap_or(0)).map(|record| record.own_bytes());
+        // Earlier frames are shared with the states before; smoothed and restarted ones are copies.
+        let copies = state.back.unwrap_or(0).max(state.fresh);
+        let copies = state.records.iter().rev().take(copies).map(|record| record.own_bytes());
         let last = state.records.last().map_or(0, |record| record.bytes());
-        size_of::<State>() + size_of_val(&state.records[..]) + last + smoothed.sum::<usize>()
+        size_of::<State>() + size_of_val(&state.records[..]) + last + copies.sum::<usize>()
     }
 
     fn memory_bytes(&self, state: &State) -> usize {

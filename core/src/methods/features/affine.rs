@@ -177,6 +177,19 @@ impl View {
         normal
     }
 
+    /// Returns the normalised cross-correlation with another window of this size, −1 to 1; `None` without contrast.
+    pub fn correlation(&self, other: &[f32]) -> Option<f32> {
+        let both = || self.values.iter().zip(other).filter(|(a, b)| a.is_finite() && b.is_finite());
+        let count = both().count() as f64;
+        let sums = both().fold([0.0; 2], |sums, (a, b)| [sums[0] + f64::from(*a), sums[1] + f64::from(*b)]);
+        let mean = sums.map(|sum| sum / count);
+        let [aa, ab, bb] = both().fold([0.0; 3], |[aa, ab, bb], (a, b)| {
+            let [a, b] = [f64::from(*a) - mean[0], f64::from(*b) - mean[1]];
+            [aa + a * a, ab + a * b, bb + b * b]
+        });
+        (aa > 0.0 && bb > 0.0).then(|| (ab / (aa * bb).sqrt()) as f32)
+    }
+
     /// Returns the window of `next` warped to the view, with its illumination; NaN outside the frame.
     pub fn warped(&self, next: &Level, at: [f32; 2], fit: &Fit) -> Vec<f32> {
         let value = |offset| {
@@ -324,6 +337,18 @@ mod tests {
         let flat = Level::new(&turned.map(|v| 100 + v / 10), 10);
         let found = view.fit(&flat, [40.0, 30.0], IN_ANY_LIGHT, &mut ());
         assert_eq!(found, Err(FitFailure::Diverged), "what has lost its contrast is another thing");
+    }
+
+    #[test]
+    fn correlation_depends_on_the_pattern_not_on_its_light() {
+        let level = Level::new(&picture([[1.0, 0.0], [0.0, 1.0]], [0.0; 2]), 10);
+        let view = View::new(&level, [40.0, 30.0], 10);
+        let lit: Vec<f32> = view.values().iter().map(|v| 0.4 * v + 30.0).collect();
+        let negative: Vec<f32> = view.values().iter().map(|v| 255.0 - v).collect();
+        let [same, opposite] = [&lit, &negative].map(|window| view.correlation(window).expect("contrast"));
+        assert!((same - 1.0).abs() < 1e-5 && (opposite + 1.0).abs() < 1e-5, "{same} and {opposite}");
+        assert_eq!(view.correlation(&vec![7.0; lit.len()]), None, "a flat window has no pattern");
+        assert_eq!(view.correlation(&vec![f32::NAN; lit.len()]), None, "nothing is visible");
     }
 
     #[test]

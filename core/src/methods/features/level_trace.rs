@@ -282,7 +282,7 @@ pub fn why(status: Status) -> &'static str {
             ": λ₂ is below the minimum eigenvalue, so its displacement is ill-conditioned (aperture problem)."
         }
         Status::Astray => ": the forward–backward error exceeds its maximum, a sign of occlusion or a wrong match.",
-        Status::Changed => ": its dissimilarity from the first view exceeds the maximum, or no affine map fits.",
+        Status::Changed => ": no affine map fits it to its first view, and it does not resemble that view.",
         Status::Unlike => ": the residual exceeds the maximum, a sign of occlusion or a wrong match.",
         Status::Unmatched => ": no keypoint of the next frame is its match.",
         Status::Found | Status::Tracked => ".",

@@ -3,6 +3,7 @@
 
 mod any;
 pub mod chi_square;
+mod consistency;
 mod ellipse;
 mod filter;
 pub mod interacting;
@@ -12,6 +13,7 @@ pub mod unscented;
 pub use any::{
     AssociationNumbers, Filter, Measurement, Model, MotionModel, Noises, PredictionNumbers, Sigma, UpdateNumbers,
 };
+pub use consistency::ConsistencyTest;
 pub use ellipse::ellipse;
 pub use filter::{Association, Estimate, Innovation, Prediction, Sensor, Smoothed, Update, smoothed};
 pub use interacting::{Interacting, Mixing, Modes};

@@ -204,9 +204,11 @@ pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) 
     let [seen, coasting, tentative] = [TrackStatus::Confirmed, TrackStatus::Coasting, TrackStatus::Tentative].map(of);
     let tentative = count(tentative, "tentative track");
     let counts = format!("Frame {number}: {seen} confirmed, {coasting} coasting, {tentative}.");
+    let overconfidence = conclusion.overconfidence().map(|test| test.verdict(false)).unwrap_or_default();
     let Some(run) = conclusion.run.filter(|run| run.truths > 0) else {
         let tracks = conclusion.tracks.map(|all| format!(" Run: {}.", count(all, "confirmed track")));
-        return counts + &conclusion.frame.map_or_else(String::new, of_frame) + &tracks.unwrap_or_default();
+        let frame = conclusion.frame.map_or_else(String::new, of_frame);
+        return counts + &frame + &tracks.unwrap_or_default() + &overconfidence;
     };
     let [mota, idf1] = [run.mota, run.idf1].map(ratio);
     let scores = format!(" Run: MOTA {mota}, IDF1 {idf1}, {}.", plural(run.switches, "identity switch", "es"));
@@ -218,9 +220,7 @@ pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) 
         switches if switches > misses.max(alarms) => {
             " Identities are kept by a motion model that fits (turns need one), and through misses by a larger maximum age."
         }
-        _ if conclusion.is_noise_underestimated() => {
-            " The filters assume less measurement noise than the source has, so detections miss their gates: raise the measurement noise."
-        }
+        _ if !overconfidence.is_empty() => " Too small gates reject detections of their own objects.",
         _ if misses > alarms && 2 * conclusion.hidden.unwrap_or(0) > misses => {
             " Most errors are misses of occluded objects: coasting tracks, like tentative ones, do not count as matches."
         }
@@ -237,7 +237,7 @@ pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) 
             " Most errors are false alarms: raise the minimum number of hits or the score thresholds, or lower the maximum age."
         }
     };
-    counts + &scores + &rates + &worst + advice
+    counts + &scores + &rates + &worst + &overconfidence + advice
 }
 
 /// The frames with the most errors in words.

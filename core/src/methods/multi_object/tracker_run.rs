@@ -1,14 +1,16 @@
 //! A run of a multi-object tracker: its parameters, detections, finished frames and conclusions.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use super::Extent;
 use super::dynamics::Dynamics;
 use super::lifecycle::{Rules, TrackAge};
 use super::source::{Detector, Noise, Source, SourceSettings, default_detector};
 use crate::base::Error;
 use crate::data::{Clip, Detection};
 use crate::geometry::Bounds;
+use crate::methods::kalman::{ConsistencyTest, Filter};
 use crate::params;
 use crate::params::Spots;
 use crate::products::{
@@ -69,20 +71,20 @@ pub struct Conclusion {
     pub worst: Vec<(usize, Matches)>,
     /// The true boxes of the run that the source did not detect, at its end; `None` where the source is not the truth.
     pub hidden: Option<usize>,
-    /// The standard deviations of a position in px that the filters assume and that the source has, where it is known.
-    pub deviations_px: Option<[f64; 2]>,
+    /// The test of the mean NIS of the detections of confirmed tracks, at its end.
+    pub consistency: Option<ConsistencyTest>,
 }
 
 impl Conclusion {
-    /// Whether the filters assume clearly less measurement noise than the source has.
-    pub fn is_noise_underestimated(&self) -> bool {
-        self.deviations_px.is_some_and(|[assumed, known]| assumed < UNDERESTIMATED * known)
+    /// The test of the mean NIS, where it is clearly above its expectation: the band alone is narrow in long runs.
+    pub fn overconfidence(&self) -> Option<&ConsistencyTest> {
+        self.consistency.as_ref().filter(|test| test.is_above() && test.mean > CLEARLY_ABOVE * test.dof as f64)
     }
 }
 
-/// Filters that assume less than this share of the standard deviation of their measurements reject many of them: half of it makes the
-/// mean NIS of a filter at least two to four times what it should be.
-const UNDERESTIMATED: f64 = 0.7;
+/// The share of its expectation above which a mean NIS is clearly too large. The gate cuts off the largest values: measurement noise of
+/// twice the assumed standard deviation leaves one and a half times the expectation or more.
+const CLEARLY_ABOVE: f64 = 1.4;
 
 /// The finished frames of a run, and the detector of those to come.
 #[derive(Clone)]
@@ -291,7 +293,7 @@ impl TrackerRun {
             run: scores_on(clip, &field).ok().flatten(),
             worst: all.into_iter().filter(|(_, all)| most > 0 && errors(all) == most).collect(),
             hidden: self.hidden(clip),
-            deviations_px: dynamics.and_then(|dynamics| deviations(&field, dynamics)),
+            consistency: dynamics.and_then(|dynamics| consistency(&field, dynamics)),
         }
     }
 
@@ -340,14 +342,42 @@ impl TrackerRun {
     }
 }
 
-/// Returns the mean standard deviations of positions that the filters assume and that the source knows.
-fn deviations(field: &ObjectField, dynamics: &Dynamics) -> Option<[f64; 2]> {
-    let known = field.frames.iter().flat_map(|frame| &frame.detections).filter_map(|detection| {
-        let height_px = f64::from(detection.bounds.size()[1]).max(1.0);
-        Some([dynamics.deviation_px(detection.deviation_px, height_px), f64::from(detection.deviation_px?)])
-    });
-    let (sum, count) = known.fold(([0.0; 2], 0.0), |([a, b], count), [x, y]| ([a + x, b + y], count + 1.0));
-    (count > 0.0).then(|| sum.map(|sum| sum / count))
+/// Returns the test of the mean NIS: the detections of each confirmed track, filtered with the dynamics of the run. Boxes at the border of
+/// the picture show a part of an object, so their centres say nothing about the noise.
+fn consistency(field: &ObjectField, dynamics: &Dynamics) -> Option<ConsistencyTest> {
+    let objects = || {
+        field
+            .frames
+            .iter()
+            .enumerate()
+            .flat_map(|(t, frame)| frame.objects.iter().map(move |object| (t, frame, object)))
+    };
+    let confirmed: BTreeSet<u32> = objects()
+        .filter(|(.., object)| object.status == TrackStatus::Confirmed)
+        .map(|(.., object)| object.id)
+        .collect();
+    let is_whole = |bounds: &Bounds| {
+        let (width, height) = field.picture;
+        (0..2).all(|i| bounds.min[i] > 0.0 && bounds.max[i] < [width, height][i] as f32 - 1.0)
+    };
+    let (mut tracks, mut nis) = (BTreeMap::<u32, (usize, Filter, Extent)>::new(), Vec::new());
+    for (t, frame, object) in objects().filter(|(.., object)| confirmed.contains(&object.id)) {
+        let Some(found) = object.detection.and_then(|i| frame.detections.get(i)) else { continue };
+        if !is_whole(&found.bounds) {
+            tracks.remove(&object.id);
+            continue;
+        }
+        let track = tracks.entry(object.id).or_insert_with(|| (t, dynamics.begun(found), Extent::of(found)));
+        let (last, filter, extent) = *track;
+        if t == last {
+            continue;
+        }
+        let predicted = (last..t).fold(filter, |filter, _| dynamics.predicted(&filter, &extent));
+        let Some((updated, squared)) = predicted.updated(&dynamics.measurement(found)) else { continue };
+        nis.push(squared);
+        *track = (t, updated, extent.towards(found));
+    }
+    ConsistencyTest::of(&nis, 2)
 }
 
 /// Matches the confirmed tracks of a frame with the true boxes, if these are known.

@@ -30,6 +30,7 @@ mod tunnel;
 mod turning_box;
 mod turntable;
 mod wallpaper;
+mod wrong_way;
 
 use super::Sample;
 
@@ -63,4 +64,5 @@ pub const SCENES: &[Sample] = &[
     spinning_sign::SAMPLE,
     blurred_swing::SAMPLE,
     fast_flight::SAMPLE,
+    wrong_way::SAMPLE,
 ];

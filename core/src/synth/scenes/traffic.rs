@@ -22,13 +22,7 @@ pub const SAMPLE: Sample = Sample {
 pub(super) fn layers(setting: &Setting) -> Vec<Layer> {
     let seed = setting.seed;
     let drive = |from: Point, velocity: Point, turned: f64| Motion { velocity, turned, ..Motion::still(from) };
-    let car = |id, motion, color: u32| {
-        Layer::new(Shape::Rectangle { half: [22.0, 11.0], corner: 6.0 }, motion, rgb(color), move |spot| {
-            bodywork(seed + id, spot, rgb(color))
-        })
-        .object(id)
-        .round(setting)
-    };
+    let car = |id, motion, color| car(setting, id, motion, color).round(setting);
     vec![
         tree(seed + 60, [44.0, 62.0], 30.0),
         tree(seed + 70, [300.0, 196.0], 34.0),
@@ -45,6 +39,15 @@ pub(super) fn layers(setting: &Setting) -> Vec<Layer> {
         car(4, drive([206.0, 100.0], [-5.0, 0.0], 0.5), 0x3d8f6b),
         Layer::new(Shape::Everywhere, Motion::still([0.0, 122.0]), rgb(0x6d7d5e), move |spot| ground(seed + 90, spot)),
     ]
+}
+
+/// A car that drives towards x unless it is turned, and leaves the picture for good.
+pub(super) fn car(setting: &Setting, id: u32, motion: Motion, color: u32) -> Layer {
+    let seed = setting.seed;
+    Layer::new(Shape::Rectangle { half: [22.0, 11.0], corner: 6.0 }, motion, rgb(color), move |spot| {
+        bodywork(seed + id, spot, rgb(color))
+    })
+    .object(id)
 }
 
 fn bodywork(seed: u32, spot: Spot, color: Rgb) -> Rgb {

@@ -65,6 +65,7 @@ impl Klt {
             Some(Event::Forward(..)) => line::TRACK,
             Some(Event::Back(_)) => line::TRACK_BACK,
             Some(Event::Fit(_)) => line::FIT_FIRST_VIEW,
+            Some(Event::Correlated(_)) => line::CORRELATE,
             Some(Event::Verdict(Feature { status, .. })) => match status {
                 Status::Astray => line::TRACK_BACK,
                 Status::Changed => line::IS_CHANGED,
@@ -162,6 +163,22 @@ impl Klt {
                         numbers::gray(self.max_dissimilarity)
                     ))
             }
+            Event::Correlated(correlation) => {
+                let fit = fit(seen.events).map_or_else(String::new, |fit| format!(" (last dissimilarity {})", grays(fit.difference)));
+                said.text(format!("No affine map explains the window within the limit{fit}. Correlation with the first view: "))
+                    .ink(Role::Estimate, match correlation {
+                        Some(correlation) => format!("ρ\u{a0}= {}", numbers::fixed(*correlation, 2)),
+                        None => "undefined, as the window has no contrast".into(),
+                    })
+                    .text(match correlation {
+                        Some(correlation) if *correlation >= self.min_correlation => format!(
+                            ", not below {}: the feature has deformed, and is kept.",
+                            numbers::fixed(self.min_correlation, 2)
+                        ),
+                        Some(_) => format!(", below {}: it shows something else.", numbers::fixed(self.min_correlation, 2)),
+                        None => ".".into(),
+                    })
+            }
             Event::Verdict(feature) => self.concluded(seen, self.verdict(seen, feature)),
         }
     }
@@ -241,7 +258,7 @@ impl Klt {
         let level_trace = self.level_trace(seen);
         let mut readouts = vec![Readout::Facts(self.facts(seen, live, level_trace.as_ref()))];
         match (seen.events.last(), level_trace, fit(seen.events)) {
-            (Some(Event::Fit(_) | Event::Verdict(_)), Some(level_trace), Some(fit)) => {
+            (Some(Event::Fit(_) | Event::Correlated(_) | Event::Verdict(_)), Some(level_trace), Some(fit)) => {
                 readouts.push(Readout::Equation(equation(&fit, self.illumination)));
                 readouts.push(Readout::Tiles(views(&level_trace, live, &fit)));
             }
@@ -288,7 +305,7 @@ impl Klt {
         }
         let Some(level_trace) = self.level_trace(seen) else { return };
         match (seen.events.last(), fit(seen.events)) {
-            (Some(event @ (Event::Fit(_) | Event::Verdict(_))), Some(fit)) => {
+            (Some(event @ (Event::Fit(_) | Event::Correlated(_) | Event::Verdict(_))), Some(fit)) => {
                 let is_refused = matches!(event, Event::Verdict(feature) if feature.displacement.is_none());
                 draw_view(&level_trace, &fit, is_refused, scene);
             }

@@ -5,10 +5,11 @@ mod marks;
 mod plots;
 
 use super::matrices::matrices;
+use super::restart::{LEAST_REJECTED, Restart, Retry, Trial};
 use super::sensors::{Observations, SensorReading};
 use super::{Event, FrameRecord, Gated, KalmanFilter, Loss, State, line, modes};
 use crate::base::words::{self, counted as count, percent};
-use crate::methods::kalman::{Filter, Measurement, MotionModel, chi_square};
+use crate::methods::kalman::{ConsistencyTest, Filter, Measurement, MotionModel};
 use crate::methods::multi_object::explain::missed_in_a_row;
 use crate::methods::numbers::{px, ratio, squared};
 use crate::run::Seen;
@@ -68,6 +69,7 @@ impl KalmanFilter {
                 Event::Gated(gated) => now.gated.push(gated),
                 Event::Updated(update) | Event::Weighed(update) => now.after = Some(update.1),
                 Event::Begun(filter, _) => now.after = Some(**filter),
+                Event::Retried(retry) => now.after = retry.restart.as_ref().map(|restart| restart.filter),
                 Event::Missed(filter) => now.after = filter.as_deref().copied(),
                 Event::Lost(filter, _) => now.after = Some(**filter),
                 Event::Smoothed(all) => (now.before, now.after) = (Some(all[0]), Some(all[1])),
@@ -91,6 +93,7 @@ impl KalmanFilter {
             Some(Event::Gated(_)) => line::GATE,
             Some(Event::Updated(_)) => line::UPDATE,
             Some(Event::Weighed(_)) => line::WEIGH_MODES,
+            Some(Event::Retried(_)) => line::RESTART,
             Some(Event::Missed(Some(_)) | Event::Lost(..)) => line::COAST_OR_END,
             Some(Event::Smoothed(_)) => line::SMOOTH,
             Some(Event::Kept(_)) => line::EACH_FRAME_BACK,
@@ -152,6 +155,7 @@ impl KalmanFilter {
                 } else {
                     String::new()
                 }),
+            Event::Retried(retry) => retried(retry),
             Event::Missed(None) => said.text(match seen.before.begun {
                 0 => self.waiting(seen, *frame),
                 _ => format!("No track after the deletion, and no measurement in frame {frame} to start one."),
@@ -261,18 +265,18 @@ impl KalmanFilter {
         let earlier = earlier.take_while(|record| is_rejected(&record.gated)).filter_map(|record| record.gated.first());
         let rejected: Vec<&Gated> = earlier.chain(now.gated.first().copied()).collect();
         match rejected.len() {
-            3.. if !now.gated.is_empty() => said.text(format!(
+            LEAST_REJECTED.. if !now.gated.is_empty() => said.text(format!(
                 " {} rejections in a row{}",
                 rejected.len(),
                 match of_another(&rejected) {
                     Some(true) => ", all of other objects: the tracked object is not detected (occluded or out of the picture), and the \
                                    gate is right."
                         .to_owned(),
-                    Some(false) => format!(", all of the object: the motion model does not fit. {}", self.remedy(&rejected)),
+                    Some(false) => format!(", all of the object: the motion model does not fit. {}", self.remedy(&rejected, self.failed(seen))),
                     None => format!(
                         ". The object may be occluded and the nearest detection another object's; then the gate is right to reject it. \
                          If the rejected measurements are of the object, the motion model does not fit. {}",
-                        self.remedy(&rejected)
+                        self.remedy(&rejected, self.failed(seen))
                     ),
                 }
             )),
@@ -290,15 +294,25 @@ impl KalmanFilter {
         let beyond: Vec<&Gated> = earlier.chain([gated]).collect();
         match beyond.len() {
             count @ 3.. => {
-                format!(" {count} in a row lie outside it: the motion model does not fit. {}", self.remedy(&beyond))
+                format!(
+                    " {count} in a row lie outside it: the motion model does not fit. {}",
+                    self.remedy(&beyond, None)
+                )
             }
             _ => String::new(),
         }
     }
 
     /// The parameters to change where the motion model does not fit these measurements.
-    fn remedy(&self, gated: &[&Gated]) -> &'static str {
-        match self.motion {
+    fn remedy(&self, gated: &[&Gated], failed: Option<&Retry>) -> String {
+        if let Some(retry) = failed {
+            return format!(
+                "Filtered again from frame {}, {}, so no other motion model explains them: raise the process noise, or choose another detector.",
+                retry.first,
+                trials(&retry.others)
+            );
+        }
+        let remedy = match self.motion {
             MotionModel::Velocity if is_sideways(gated) => {
                 "The measurements lie beside the predicted path: choose the coordinated turn, or constant acceleration for a thrown object."
             }
@@ -309,7 +323,18 @@ impl KalmanFilter {
                 "Neither mode does: raise the process noise or the turn noise, or choose another motion model."
             }
             _ => "Raise the process noise, or choose another motion model.",
-        }
+        };
+        remedy.into()
+    }
+
+    /// The last attempt to restart the present track, if it failed.
+    fn failed<'a>(&self, seen: &Seen<'a, Self>) -> Option<&'a Retry> {
+        let of_step = seen.events.iter().find_map(|event| match event {
+            Event::Retried(retry) => Some(&**retry),
+            _ => None,
+        });
+        let start = seen.before.records.iter().rposition(|record| record.begins)? + seen.before.span.first;
+        of_step.or(seen.before.retry.as_deref()).filter(|retry| retry.first == start && retry.restart.is_none())
     }
 
     /// The mean innovation where it is not zero, and the remedy. Each innovation is divided by its standard deviation from S: the first ones
@@ -335,7 +360,7 @@ impl KalmanFilter {
         format!(
             " The innovations are biased by {} px: the motion model does not fit. {}",
             place(mean),
-            self.remedy(accepted)
+            self.remedy(accepted, None)
         )
     }
 
@@ -372,7 +397,7 @@ impl KalmanFilter {
             "RMS error, filtered in these frames",
             rmse(&|record| accepted_in(record).and(Some(record.filtered?.place()))),
         );
-        if let Some(ConsistencyTest { mean, band: [low, high] }) = ConsistencyTest::of(&accepted(state)) {
+        if let Some(ConsistencyTest { mean, band: [low, high], .. }) = consistency(&accepted(state)) {
             let value = format!("{}, 95 % band {}–{}", squared(mean), squared(low), squared(high));
             facts.push(Fact::new("Mean NIS (accepted)", value, None));
         }
@@ -383,14 +408,15 @@ impl KalmanFilter {
     fn conclusion(&self, seen: &Seen<Self>) -> String {
         let Some(state) = self.ended(seen) else { return String::new() };
         let noise = f64::from(self.measurement_noise);
-        let mut said = modes::concluded(state.records.iter().map(|record| &**record), noise);
+        let restarted = state.retry.as_deref().map(restarted).unwrap_or_default();
+        let mut said = restarted + &modes::concluded(state.records.iter().map(|record| &**record), noise);
         let gated: Vec<&Gated> = state.records.iter().filter_map(|record| record.of_sensor(0)).collect();
         let nis = accepted(state);
         let rejected = gated.len() - nis.len();
         if rejected > 0 {
             said += &format!(" The gate rejected {rejected} of {}.", count(gated.len(), "measurement"));
         }
-        let Some(test) = ConsistencyTest::of(&nis) else {
+        let Some(test) = consistency(&nis) else {
             return said
                 + " No measurement was accepted, so the innovations do not show whether the covariance is right.";
         };
@@ -399,22 +425,22 @@ impl KalmanFilter {
         // The gate cuts off the large values: their mean would look consistent whatever the filter does.
         if rejected as f64 > MOST_REJECTED * gated.len() as f64 {
             let refused: Vec<&Gated> = gated.iter().copied().filter(|gated| !gated.is_inside()).collect();
-            return said + &self.untested(&refused, gated.len());
+            return said + &self.untested(&refused, gated.len(), self.failed(seen));
         }
         said + &test.verdict(!bias.is_empty())
     }
 
     /// Why the mean NIS tests nothing where many of `all` measurements were refused, and the remedy.
-    fn untested(&self, refused: &[&Gated], all: usize) -> String {
+    fn untested(&self, refused: &[&Gated], all: usize, failed: Option<&Retry>) -> String {
         let share = (100.0 * refused.len() as f64 / all as f64).round();
         let said = format!(" With {share} % rejected, the NIS of the rest does not test the filter.");
         let diverged = "so the filter has diverged: the motion model does not fit.";
         match of_another(refused) {
             Some(true) => said + " All rejected measurements are of other objects: the gate was right.",
-            Some(false) => format!("{said} They are of the object, {diverged} {}", self.remedy(refused)),
+            Some(false) => format!("{said} They are of the object, {diverged} {}", self.remedy(refused, failed)),
             None => format!(
                 "{said} If the rejected measurements are of the object, the filter has diverged: the motion model does not fit. {}",
-                self.remedy(refused)
+                self.remedy(refused, failed)
             ),
         }
     }
@@ -474,42 +500,10 @@ fn accepted(state: &State) -> Vec<&Gated> {
     gated.filter(|gated| gated.is_inside()).collect()
 }
 
-/// The mean NIS of a run and its two-sided 95 % band.
-struct ConsistencyTest {
-    mean: f64,
-    band: [f64; 2],
-}
-
-impl ConsistencyTest {
-    /// Returns the test of these measurements; `None` without any.
-    fn of(nis: &[&Gated]) -> Option<Self> {
-        let dof = nis.first()?.measurement().numbers();
-        let number = nis.len() as f64;
-        let mean = nis.iter().map(|gated| gated.squared_distance).sum::<f64>() / number;
-        let band = [0.025, 0.975].map(|p| chi_square::quantile(p, dof * nis.len()) / number);
-        Some(Self { mean, band })
-    }
-
-    /// The outcome in words, and the remedy.
-    fn verdict(&self, is_biased: bool) -> String {
-        let Self { mean, band: [low, high] } = *self;
-        let (place, verdict) = match mean {
-            mean if mean > high => (
-                "above",
-                ". The covariance is too small (overconfident): raise the process noise Q or the measurement noise R.",
-            ),
-            mean if mean < low => (
-                "below",
-                ". The covariance is too large (underconfident): lower the process noise Q or the measurement noise R.",
-            ),
-            _ if is_biased => {
-                ("within", ": the innovations agree with S in size, so NIS alone does not show the bias.")
-            }
-            _ => ("within", ": the filter is consistent."),
-        };
-        let [mean, low, high] = [mean, low, high].map(squared);
-        format!(" Mean NIS {mean} is {place} the 95 % band {low}–{high}{verdict}")
-    }
+/// The test of the mean NIS of these measurements; `None` without any.
+fn consistency(accepted: &[&Gated]) -> Option<ConsistencyTest> {
+    let nis: Vec<f64> = accepted.iter().map(|gated| gated.squared_distance).collect();
+    ConsistencyTest::of(&nis, accepted.first()?.measurement().numbers())
 }
 
 /// The measurements of a frame in words.
@@ -580,6 +574,67 @@ fn root_mean_square(errors: impl Iterator<Item = f64>) -> Option<f64> {
         (sum, number) = (sum + error * error, number + 1);
     }
     (number > 0).then(|| (sum / f64::from(number)).sqrt())
+}
+
+/// The numbers of accepted measurements of motion models in words.
+fn trials(trials: &[Trial]) -> String {
+    if trials.is_empty() {
+        return "no other motion model keeps the track".into();
+    }
+    let all: Vec<String> = trials.iter().map(accepts).collect();
+    all.join(", ")
+}
+
+fn accepts(trial: &Trial) -> String {
+    let Trial { motion, accepted, measured } = trial;
+    format!("{} accepts {accepted} of {}", motion_name(*motion), count(*measured, "measurement"))
+}
+
+fn motion_name(motion: MotionModel) -> String {
+    motion.label().to_lowercase()
+}
+
+/// The detections of a diverged track, filtered again.
+fn retried(retry: &Retry) -> Sentence {
+    let said = Sentence::default().ink(Role::Error, "The filter has diverged").text(format!(
+        ": since frame {}, {}. Filtered again, {}. ",
+        retry.first,
+        accepts(&retry.diverged),
+        trials(&retry.others)
+    ));
+    match &retry.restart {
+        Some(restart) => said
+            .text(if restart.first == retry.first {
+                "The track is restarted with ".to_owned()
+            } else {
+                format!(
+                    "It started with something else: from frame {} the most consistent motion is tracked with ",
+                    restart.first
+                )
+            })
+            .ink(Role::Result, motion_name(restart.trial.motion))
+            .text(format!(
+                ", which accepts {} of {}: {} px.",
+                restart.trial.accepted,
+                restart.trial.measured,
+                place(restart.filter.place())
+            )),
+        None => said.text("No model accepts the rejected ones, so the track goes on as it is."),
+    }
+}
+
+/// The last restart of a run in words, or nothing.
+fn restarted(retry: &Retry) -> String {
+    let Some(Restart { trial, first, .. }) = &retry.restart else { return String::new() };
+    format!(
+        " The filter had diverged in frame {}: {}. The track was restarted from frame {first} with {} (parameter Motion), which \
+         accepts {} of {}.",
+        retry.frame,
+        accepts(&retry.diverged),
+        motion_name(trial.motion),
+        trial.accepted,
+        trial.measured
+    )
 }
 
 fn are(there: usize) -> String {

@@ -34,6 +34,13 @@ impl KalmanFilter {
                 modes::draw_points(&both[0], true, scene);
             }
             Some(Event::Updated(update) | Event::Weighed(update)) => modes::draw(&update.1, scene),
+            Some(Event::Retried(retry)) => {
+                if let Some(restart) = &retry.restart {
+                    let points = restart.path.iter().copied().map(point).collect();
+                    scene.mark(Picture::CURRENT, Role::Result, Shape::Path { points, closed: false });
+                    scene.legend(Role::Result, "restarted track");
+                }
+            }
             _ => {}
         }
         measured(seen, &now, scene);
