@@ -14,7 +14,7 @@ use motionscope::experiment::source::Source;
 use motionscope::experiment::unplaced;
 use motionscope::media::{Open, open};
 use motionscope::session::Session;
-use motionscope_core::params::{Figure, Kind, Params as _, Spec};
+use motionscope_core::params::{Figure, Kind, Spec};
 use motionscope_core::{Cursor, Move, estimator, estimators};
 use serde_json::Value;
 
