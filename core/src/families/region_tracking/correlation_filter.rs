@@ -36,7 +36,7 @@ params! {
         sigma: f32 = 2.0, 0.5..=10.0, "px";
         /// Share η of the newest frame in the filter. Large values follow changes of appearance, and drift more.
         learning_rate: f32 = 0.125, 0.0..=1.0;
-        /// Peak-to-sidelobe ratio below which the object is lost: the region stays, and the filter is not updated.
+        /// Peak-to-sidelobe ratio below which the object is lost: the region stays, and the filter is not updated. 0 for no losses at all.
         min_psr: f32 = 7.0, 0.0..=50.0;
         /// Number of turned and scaled copies of the first window that the filter is learned from.
         perturbations: usize = 8, 0..=64;
@@ -301,6 +301,11 @@ fn displacement(values: &Grid<f32>, (x, y): (usize, usize)) -> [f32; 2] {
 }
 
 impl CorrelationFilter {
+    /// Whether the region holds its surroundings, where losses are asked for at all.
+    fn is_gone(&self, evidence: &Evidence) -> bool {
+        self.min_psr > 0.0 && evidence.is_gone()
+    }
+
     /// Width and height of the window for a region.
     fn window_of(&self, region: Region) -> (usize, usize) {
         let [width, height] =
@@ -449,7 +454,7 @@ impl RegionModel for CorrelationFilter {
         let evidence = (response.psr >= self.min_psr).then(|| model.first.compare(frame.luma(), center, model.size()));
         observer.see(|| Event::Judged(Arc::clone(&response), evidence));
         let similarity = response.psr;
-        if evidence.is_none_or(|evidence| evidence.is_gone()) {
+        if evidence.is_none_or(|evidence| self.is_gone(&evidence)) {
             return RegionFrame { region, similarity, is_lost: true };
         }
         let patch = model.window(frame.luma(), model.origin(center));

@@ -243,7 +243,7 @@ impl CorrelationFilter {
             Some(zncc) => format!("has a ZNCC of {} with that of the first frame", ratio(zncc)),
             None => "is uniform, or was in the first frame".into(),
         };
-        if evidence.is_gone() {
+        if self.is_gone(evidence) {
             return said.text(format!(
                 ". But the region there {}, and its gray levels are those of its surroundings (Bhattacharyya coefficient {around}) rather than \
                  those of the object ({object}). The filter answers to what is behind the object, so it is not updated.",
