@@ -194,18 +194,21 @@ fn the_courses_table_is_measured_cell_by_cell() {
     let holds = |feature: &str, words: &str| {
         let claims = row(feature)["claims"].as_array().unwrap();
         let claim = claims.iter().find(|claim| claim["quote"].as_str().unwrap().contains(words));
-        claim.unwrap_or_else(|| panic!("{words}"))["holds"].as_bool().unwrap()
+        claim.unwrap_or_else(|| panic!("{words}"))["holds"].as_bool()
     };
     let pan = figures("large motion: blocks");
     assert_eq!(
         holds("large motion: blocks", "Better than sequential"),
-        pan[1] > pan[0] + 5.0 && pan[1] < 90.0,
+        Some(pan[1] > pan[0] + 5.0 && pan[1] < 90.0),
         "{pan:?}"
     );
     let db = figures("accuracy: PSNR");
-    assert_eq!(holds("accuracy: PSNR", "more accurate"), db[2] > db[0] + 0.1, "{db:?}");
+    let better = ((db[2] - db[0]).abs() > 0.1).then_some(db[2] > db[0]);
+    assert_eq!(holds("accuracy: PSNR", "more accurate"), better, "{db:?}");
     let error = figures("accuracy: mean endpoint error");
-    assert_eq!(holds("accuracy: mean endpoint error", "improving accuracy"), error[2] < 0.95 * error[0], "{error:?}");
+    let is_tie = error[2] > 0.95 * error[0] && error[0] > 0.95 * error[2];
+    let better = (!is_tie).then_some(error[2] < error[0]);
+    assert_eq!(holds("accuracy: mean endpoint error", "improving accuracy"), better, "{error:?}");
     for feature in ["search space", "complexity", "large motion: candidates", "memory"] {
         assert_eq!(row(feature)["verdict"], "holds", "{feature}");
     }

@@ -54,7 +54,7 @@ fn in_gray(clip: &Clip, frames: usize) -> Clip {
 /// The estimator with what it decides left as it is.
 fn raw(id: &str, settings: &[(&str, &str)]) -> Box<dyn AnyEstimator> {
     let mut estimator = set(id, &[("opening", "0"), ("closing", "0"), ("min-area", "1")]);
-    for (name, text) in [("camera", "still"), ("shake", "0"), ("initial", "first-frame")] {
+    for (name, text) in [("camera", "still"), ("shake", "0"), ("initial", "first-frame"), ("area-opening", "0")] {
         if estimator.get(name).is_ok() {
             estimator.set(name, text).expect("in range");
         }

@@ -235,8 +235,14 @@ fn what_is_found_ends_a_run_where_there_is_no_room_for_more() {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     let clip = long();
     for (id, settings) in [
-        ("frame-difference", &[("opening", "0"), ("closing", "0"), ("threshold", "110"), ("min-area", "1")][..]),
-        ("connected-components", &[("closing", "0"), ("threshold", "150"), ("pixels", "bright"), ("min-area", "1")]),
+        (
+            "frame-difference",
+            &[("opening", "0"), ("closing", "0"), ("threshold", "110"), ("min-area", "1"), ("area-opening", "0")][..],
+        ),
+        (
+            "connected-components",
+            &[("closing", "0"), ("threshold", "150"), ("pixels", "bright"), ("min-area", "1"), ("area-opening", "0")],
+        ),
         (
             "point-trajectories",
             &[("spacing", "4"), ("min-eigenvalue", "0"), ("method", "farneback"), ("frames", "10000")],
@@ -256,7 +262,10 @@ fn what_is_found_ends_a_run_where_there_is_no_room_for_more() {
         println!("{id}: {:.1} of {:.1} MB", most as f64 / 1e6, need as f64 / 1e6);
         assert!(most < 2 * need + (8 << 20), "{id} takes {most} bytes, and may take {need}");
     }
-    let noisy = set("frame-difference", &[("opening", "0"), ("closing", "0"), ("threshold", "110"), ("min-area", "1")]);
+    let noisy = set(
+        "frame-difference",
+        &[("opening", "0"), ("closing", "0"), ("threshold", "110"), ("min-area", "1"), ("area-opening", "0")],
+    );
     let tight = clip.clone().within(noisy.need(&clip).run);
     assert!(noisy.run(&tight, 0, &Threads::single()).is_err(), "there is more to keep than room");
 }

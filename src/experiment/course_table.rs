@@ -236,7 +236,7 @@ fn accuracy(rows: &[Row; 3]) -> Vec<CourseRow> {
     let avoids_minima = missed[2] <= HARDLY_PERCENT && missed[2] <= missed[1];
     // Without any error it is infinite.
     let db = rows.each_ref().map(|row| row.assessment.value(&PSNR).unwrap_or(f64::INFINITY));
-    let more_accurate = |holds| {
+    let more_accurate = |holds: Option<bool>| {
         vec![
             claim(693, "reduces computational complexity while improving accuracy", holds),
             claim(980, "It is more accurate and robust", holds),
@@ -262,14 +262,18 @@ fn accuracy(rows: &[Row; 3]) -> Vec<CourseRow> {
         },
         CourseRow {
             feature: "accuracy: PSNR of the prediction in dB".into(),
-            claims: more_accurate(db[2] > db[0] + DIFFERENT_DB),
+            claims: more_accurate(((db[2] - db[0]).abs() > DIFFERENT_DB).then_some(db[2] > db[0])),
             measured: db.map(|db| if db.is_finite() { format!("{db:.2}") } else { "perfect".into() }),
         },
     ];
     if let [Some(sequential), Some(logarithmic), Some(hierarchical)] = errors {
         all.push(CourseRow {
             feature: "accuracy: mean endpoint error in px against the true motion".into(),
-            claims: more_accurate(hierarchical < DIFFERENT_ERROR * sequential),
+            claims: more_accurate(match hierarchical < sequential {
+                // Neither is more accurate where they hardly differ.
+                true => possible(hierarchical < DIFFERENT_ERROR * sequential),
+                false => (sequential < DIFFERENT_ERROR * hierarchical).then_some(false),
+            }),
             measured: shown([sequential, logarithmic, hierarchical], 3),
         });
     }
@@ -309,7 +313,8 @@ fn large_motion(conditions: &Conditions<'_>, stop: &Stop) -> Result<[CourseRow; 
                 claim(
                     920,
                     "Excellent at handling large displacements by starting from coarse estimates.",
-                    shares[2] >= ACCURATE_PERCENT && shares[2] >= shares[0] - DIFFERENT_POINTS,
+                    // Blocks that look like others are found by no search: full search is the measure.
+                    shares[2] >= HALF_PERCENT && shares[2] >= shares[0] - DIFFERENT_POINTS,
                 ),
             ],
             measured: shown(shares, 1),
@@ -541,7 +546,12 @@ pub fn named() -> String {
 
 /// Returns the conditions under which the table was measured.
 pub fn key() -> String {
-    format!("{} Default parameters except where stated. The noise is added to both frames.\n", named())
+    format!(
+        "{} Default parameters except where stated. The noise is added to both frames. Shares differ from \
+         {DIFFERENT_POINTS:.0} points on, errors from {:.0} %, predictions from {DIFFERENT_DB} dB.\n",
+        named(),
+        100.0 * (1.0 - DIFFERENT_ERROR)
+    )
 }
 
 /// Returns the table as Markdown, with the statements of the course.

@@ -464,7 +464,7 @@ mod tests {
     #[test]
     fn a_single_mark_that_the_sentence_speaks_of_stays_in_sight() {
         let mut scene = search(100, 80);
-        let outlier = [150.0, 90.0];
+        let outlier = [170.0, 90.0];
         scene.mark(Picture::NEXT, Role::Error, Shape::Points(vec![outlier]));
         let is_seen =
             |scene: &Scene| one(FocusMode::Auto, scene).is_none_or(|close| close.seen(ROOM).contains(outlier));

@@ -266,7 +266,7 @@ fn line_and_key_are_reported_in_words() {
         ("step = \"x\"", "line 4, step: a step is written UNIT.EVENT"),
         (
             "frmae = 3",
-            "line 4: there is no key frmae here; there are motionscope, clip, truth, detections, right, calibration, depths, disparity-scale, depth-scale, estimator",
+            "line 4: there is no key frmae here; there are motionscope, clip, truth, detections, right, calibration, depths, disparity-scale, depth-scale, contrast, estimator",
         ),
         ("clip.a = 3", "line 4 is not written as key = value"),
         ("\n[set]\n\nblock = 400", "line 7, set.block: "),

@@ -86,6 +86,7 @@ fn space_opens_the_clip_that_has_the_keyboard() {
 fn steps_that_are_not_taken_are_no_practice() {
     let mut window = fresh(Some(Memory::default()));
     window.key(Key::Escape);
+    window.key(Key::Home);
     assert_eq!(window.cursor(), Cursor::default());
     (0..3).for_each(|_| window.command(Command::IntoBack));
     window.key(Key::ArrowRight);

@@ -168,6 +168,9 @@ pub fn chosen_otherwise(stage: &Value) -> Vec<Value> {
     choices.flat_map(|(i, spec)| tried(&spec.kind).into_iter().map(move |value| (i, value))).map(one).collect()
 }
 
+/// What is tried together: a filter that expects no change of velocity, on the box that stops.
+const TOGETHER: [(&str, &str); 2] = [("object", "4"), ("process-noise", "0")];
+
 /// An estimator at its defaults, but small, and with one parameter after the other set to what it is tried with.
 pub fn settings(estimator: &dyn AnyEstimator) -> Vec<Box<dyn AnyEstimator>> {
     let mut small = estimator.boxed_clone();
@@ -184,7 +187,9 @@ pub fn settings(estimator: &dyn AnyEstimator) -> Vec<Box<dyn AnyEstimator>> {
     let of_one = |spec: &Spec| [tried(&spec.kind), chosen_otherwise(&spec.default)].concat();
     let values = small.specs().iter().enumerate().flat_map(|(i, spec)| of_one(spec).into_iter().map(move |v| (i, v)));
     let changed: Vec<_> = values.filter(|(i, value)| small.value(*i) != *value).map(one).collect();
-    [small].into_iter().chain(changed).collect()
+    let mut together = small.boxed_clone();
+    let has_all = TOGETHER.iter().all(|(name, value)| together.set(name, value).is_ok());
+    [small].into_iter().chain(changed).chain(has_all.then_some(together)).collect()
 }
 
 /// What was seen of an estimator.

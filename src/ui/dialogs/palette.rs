@@ -336,11 +336,11 @@ mod tests {
         assert_eq!(names("chan")[0], "Estimator: Active contour without edges");
         for query in ["count", "counting line"] {
             let found = names(query);
-            assert_eq!(found[0], "Parameter: Counting lines", "{query}: {:?}", &found[..3]);
+            assert_eq!(found[0], "Parameter: Counting lines", "{query}: {found:?}");
         }
         for query in ["line", "zone"] {
             let found = names(query);
-            assert!(found[..6].iter().any(|name| name.starts_with("Parameter: ")), "{query}: {:?}", &found[..6]);
+            assert!(found.iter().take(6).any(|name| name.starts_with("Parameter: ")), "{query}: {found:?}");
         }
     }
 

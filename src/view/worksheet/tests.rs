@@ -288,7 +288,7 @@ fn the_algorithm_is_printed_once_with_the_parameters() {
     assert!(solved.contains("Which line of the algorithm is this step?"), "{solved}");
     assert_eq!(solved.matches("for each iteration").count(), 1, "{solved}");
     let solved = text(&sample_of("kalman-filter"), "4.4", true).replace('\n', " ");
-    assert!(solved.contains("backward") && solved.contains("process noise"), "{solved}");
+    assert!(solved.contains("Joseph form") && solved.contains("process noise"), "{solved}");
     assert!(!solved.contains("default parameters"), "{solved}");
 }
 

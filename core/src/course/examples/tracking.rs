@@ -147,7 +147,7 @@ pub(super) const EXAMPLES: &[Example] = &[
     Example {
         id: "manoeuvre",
         title: "Stars that turn by 10° a frame",
-        of: &["kalman-filter", "kalman-tracker", "joint-probabilistic", "blob-tracker"],
+        of: &["kalman-tracker", "joint-probabilistic", "blob-tracker"],
         cause: Some(Cause::Maneuver),
         clip: "crossing-stars,rotation=10",
         settings: &[],
@@ -160,5 +160,18 @@ pub(super) const EXAMPLES: &[Example] = &[
             settings: &[("motion", "turn")],
             limit: Limit::AtLeast(0.9),
         }),
+    },
+    Example {
+        id: "manoeuvre",
+        title: "A star that turns",
+        of: &["kalman-filter"],
+        cause: Some(Cause::Maneuver),
+        clip: "crossing-stars,rotation=10",
+        settings: &[("restart", "off")],
+        frame: 0,
+        says: "A prediction along the tangent leaves the circle by several pixels a frame, so the gate rejects the star and the filter coasts. With its \
+               default the filter tries the other motion models on the same detections, and restarts with the one that accepts them.",
+        claim: ("idf1", Limit::AtMost(0.7)),
+        instead: Some(Alternative { id: "kalman-filter", settings: &[], limit: Limit::AtLeast(0.95) }),
     },
 ];

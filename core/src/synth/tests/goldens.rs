@@ -58,6 +58,7 @@ fn every_scene_looks_as_it_did() {
         ("spinning-sign", 0x5081_800f_c518_d4b2),
         ("blurred-swing", 0xfbb6_19ed_4fac_457d),
         ("fast-flight", 0x2953_8cbb_4011_4d93),
+        ("wrong-way", 0x76b0_3540_6160_a0a4),
     ];
     assert_eq!(found, expected, "{found:#018x?}");
 }

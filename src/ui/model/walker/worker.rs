@@ -12,7 +12,7 @@ use super::long_move::LongMove;
 use super::mailbox::{Phase, Request, Shared};
 use super::run::Run;
 use super::{NEWS, SLOW_AFTER};
-use crate::experiment::interest::opening;
+use crate::experiment::interest::{first_step, opening};
 use crate::experiment::pixel::{Held, is_explained, place_of, walks_pixels};
 use crate::experiment::{Experiment, Prepared};
 use crate::paint::FlowLayer;
@@ -206,6 +206,7 @@ impl<'a> Worker<'a> {
         let Place { mut cursor, near, .. } = place;
         match near {
             Near::Same => {}
+            Near::Pixel(focus) if cursor.event == 0 => cursor = first_step(&*walk, focus).unwrap_or(cursor),
             Near::Pixel(focus) => cursor.unit = walk.unit_at(focus).unwrap_or(cursor.unit),
             Near::Interest => cursor = opening(&*walk, &clip, subject.experiment.frame).unwrap_or(cursor),
         }

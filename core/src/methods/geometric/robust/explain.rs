@@ -380,8 +380,8 @@ impl<M: RobustModel> Robust<M> {
             let value = |(i, counts)| [(i + 1) as f32, of(counts).map_or(f32::NAN, |inliers| inliers as f32)];
             counts.iter().enumerate().map(value).collect()
         };
-        let is_known = counts.iter().any(|counts| counts.own.is_some());
-        is_known.then(|| Series {
+        let is_counted = !history.is_empty() || counts.iter().any(|counts| counts.own.is_some());
+        is_counted.then(|| Series {
             title: "Inliers of the hypotheses",
             x_label: "iteration",
             y_label: "inliers",
