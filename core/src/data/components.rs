@@ -328,7 +328,9 @@ mod tests {
     #[test]
     fn an_area_opening_keeps_thin_lines_and_removes_specks() {
         let is_line = |x: usize, y: usize| x == 70 && (10..20).contains(&y) || x == y + 20 && (20..29).contains(&y);
-        let is_speck = |x: usize, y: usize| y % 4 == 0 && x % 9 == 0 && y > 32 || y == 2 && (60..68).contains(&x);
+        let is_speck = |x: usize, y: usize| {
+            y.is_multiple_of(4) && x.is_multiple_of(9) && y > 32 || y == 2 && (60..68).contains(&x)
+        };
         let mask = Mask::from_fn(100, 40, |x, y| is_line(x, y) || is_speck(x, y));
         let kept = area_opened(mask.clone(), Connectivity::Eight, 9);
         assert!(kept == Mask::from_fn(100, 40, is_line) && kept != mask);

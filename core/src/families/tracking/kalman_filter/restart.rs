@@ -65,6 +65,9 @@ pub struct Restart {
     pub path: Vec<[f64; 2]>,
 }
 
+/// An attempt to restart a track, and if it succeeds the state and the result of this frame.
+type Retried = (Retry, Option<(State, FrameRecord)>);
+
 /// A track that another motion model follows.
 struct Followed {
     trial: Trial,
@@ -80,12 +83,7 @@ impl KalmanFilter {
     /// A model explains the detections if it accepts the ones that were rejected lately and rejects less than half as many in all. A model
     /// that would follow another object behind an occlusion meets the gate in the same frames. Where no model explains them and the gate has
     /// rejected most of the track, it started with something else: a track starts anew at the first rejected detection.
-    pub(super) fn retried(
-        &self,
-        clip: &Clip,
-        state: &State,
-        record: &FrameRecord,
-    ) -> Result<Option<(Retry, Option<(State, FrameRecord)>)>, Error> {
+    pub(super) fn retried(&self, clip: &Clip, state: &State, record: &FrameRecord) -> Result<Option<Retried>, Error> {
         let Some(start) = state.records.iter().rposition(|record| record.begins).filter(|_| self.restarts()) else {
             return Ok(None);
         };
