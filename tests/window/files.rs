@@ -519,7 +519,7 @@ fn a_path_is_typed_and_pasted() {
     window.settle();
     window.click_role(Role::Button, "Open");
     assert_eq!(window.app().document().clip().map(|clip| clip.size()), Some((64, 48)));
-    assert_eq!(window.cursor().event, 0, "a clip of one's own begins with a whole block");
+    assert_eq!(window.cursor().event, window.shown().events, "a clip of one's own begins with a whole block");
 
     let mut window = Window::usual();
     window.harness.event(Event::Paste(format!("\"{path}\"\n")));

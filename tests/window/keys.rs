@@ -189,15 +189,18 @@ fn a_clip_begins_at_step_0_and_goes_on_where_it_was_left() {
     let size = vec2(1440.0, 900.0);
     let mut window = Window::remembering(size, Start::default(), None);
     let begun = window.cursor();
-    assert!(begun.unit > 0 && begun.event == 0, "the bundled one opens at a block that moves: {begun}");
+    assert!(
+        begun.unit > 0 && begun.event == window.shown().events,
+        "the bundled one opens at a block that moves: {begun}"
+    );
     window.key(Key::Period);
     window.press(Modifiers::SHIFT, Key::ArrowRight);
     window.key(Key::ArrowRight);
     let left = (window.cursor(), window.shown().subject.experiment.frame);
-    assert_eq!(left, (Cursor { unit: begun.unit + 1, event: 1 }, 1));
+    assert_eq!(left, (Cursor { unit: begun.unit + 2, event: 1 }, 1));
     window.harness.state_mut().open("synth:translation,frames=4");
     window.settle();
-    assert_eq!(window.cursor().event, 0);
+    assert_eq!(window.cursor().event, window.shown().events);
     let mut memory = Memory::default();
     window.harness.state_mut().open_sample(&motionscope_core::synth::SCENES[0]);
     window.settle();
