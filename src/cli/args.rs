@@ -206,7 +206,7 @@ pub struct CompareArgs {
     pub markdown: bool,
 }
 
-/// What is known of a clip besides its frames and their truth.
+/// The right view, calibration, depths and contrast of a clip.
 #[derive(Clone, Debug, Default, Group)]
 pub struct GivenArgs {
     /// Right view: a picture, a folder or a video, or side-by-side if each frame shows both views; by default it is searched for beside

@@ -1,4 +1,4 @@
-//! Where a run is worth looking at first: at what moves, rather than in the first corner of the sky.
+//! The first step shown of a run: at the block or pixel with the most motion, not in the first corner of the picture.
 
 use motionscope_core::scene::Focus;
 use motionscope_core::{Clip, Cursor, Explained, Flow, Frame, ROW, Walk};

@@ -468,7 +468,7 @@ mod tests {
         scene.mark(Picture::NEXT, Role::Error, Shape::Points(vec![outlier]));
         let is_seen =
             |scene: &Scene| one(FocusMode::Auto, scene).is_none_or(|close| close.seen(ROOM).contains(outlier));
-        assert!(!is_seen(&scene), "nobody speaks of it");
+        assert!(!is_seen(&scene), "the sentence does not mention it");
         // There are three arrows of the other role: none of them is meant.
         scene.spoken = vec![Role::Error, Role::Result];
         let close = one(FocusMode::Auto, &scene).expect("still a part of the picture");

@@ -135,7 +135,7 @@ pub(super) fn check<'a>(file: &Path, text: &str, sessions: impl IntoIterator<Ite
     sessions.iter().flat_map(|session| named(session)).try_for_each(media::check_is_file)
 }
 
-/// What the session or lesson in `file` does, by its `sessions`, that is asked about.
+/// Returns the action of an untrusted session or lesson that needs consent, as a predicate; `None` if there is none.
 fn refusal(file: &Path, sessions: &[&Session]) -> Option<String> {
     let name = |path: &Path| Error::short_name(&path.display().to_string());
     let all: BTreeSet<PathBuf> = sessions.iter().flat_map(|session| outside(session, file)).collect();

@@ -168,7 +168,7 @@ pub fn chosen_otherwise(stage: &Value) -> Vec<Value> {
     choices.flat_map(|(i, spec)| tried(&spec.kind).into_iter().map(move |value| (i, value))).map(one).collect()
 }
 
-/// What is tried together: a filter that expects no change of velocity, on the box that stops.
+/// Settings tried together: a filter that expects no change of velocity follows the box that stops.
 const TOGETHER: [(&str, &str); 2] = [("object", "4"), ("process-noise", "0")];
 
 /// An estimator at its defaults, but small, and with one parameter after the other set to what it is tried with.

@@ -51,7 +51,7 @@ impl App {
         }
         self.walker.tend();
         self.view = self.walker.view();
-        // A run that takes long to begin is seen as far as it is known, rather than another clip or estimator under its name.
+        // While a run takes long to start, its frames are shown instead of those of another clip or estimator.
         let is_late = self.view.busy_for.is_some_and(|time| time > status::LATE);
         let id = self.document.estimator().info().id;
         let is_ours = |shown: &Snapshot| self.document.is_of_clip(shown) && shown.info.id == id;

@@ -19,11 +19,11 @@ pub struct State {
     of: Option<(&'static str, Cursor)>,
 }
 
-/// What the bar is about.
+/// The inputs of the bar.
 pub struct Input<'a> {
     /// The question that is open, or the last one.
     pub predict: &'a Predict,
-    /// Whether several estimators run in lockstep, where no step is asked about.
+    /// Whether several estimators run in lockstep, which has no questions.
     pub is_lockstep: bool,
     /// The theme.
     pub theme: Theme,
@@ -62,11 +62,11 @@ pub fn show(ui: &mut Ui, input: &Input<'_>, state: &mut State, actions: &mut Act
     }
 }
 
-/// What the bar says without a question.
+/// Returns the text of the bar without a question.
 fn idle(is_lockstep: bool) -> String {
     if is_lockstep {
         let key = Command::Lockstep.key();
-        return format!("In lockstep no step is asked about: {key} goes on with one estimator, which asks again.");
+        return format!("Questions are for one estimator. {key} ends the lockstep.");
     }
     "→ asks before it shows the next result. Then number keys count hands, and a click on the picture is a guess."
         .into()

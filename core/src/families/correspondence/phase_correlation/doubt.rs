@@ -3,6 +3,7 @@
 use super::State;
 use crate::data::Mask;
 use crate::geometry::Gray;
+use crate::synth::random::hash;
 
 /// Peaks that are compared, the highest first.
 const PEAKS: usize = 8;
@@ -32,6 +33,9 @@ const ALIKE: f64 = 0.1;
 const RISE: f64 = 0.25;
 /// Displacements this near to the highest peak are compared with it, at this distance from each other, in px.
 const NEAR_PX: [i32; 2] = [16, 2];
+
+/// Most pixels at which pictures are compared: the comparison must not take longer than the correlation.
+const MOST_PLACES: usize = 1 << 13;
 
 /// Why the highest peak is not the translation of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,17 +71,17 @@ impl Doubt {
     pub(super) fn of(state: &State) -> Option<Self> {
         let [from, to] = state.fixed.pair.each_ref().map(|frame| frame.luma());
         let at = state.wrapped(state.peak?);
-        let counts = informative([from, to]);
-        let contrast = contrast(from, &counts);
-        let residual = |by: [i32; 2]| residual([from, to], &counts, by);
-        if let Some(edges) = Edges::of(from, &counts) {
+        let informative = Informative::of([from, to]);
+        let contrast = contrast(from, &informative);
+        let residual = |by: [i32; 2]| informative.residual([from, to], by);
+        if let Some(edges) = Edges::of(from, &informative) {
             let own = residual(at);
             let is_free = |along: &[i32; 2]| {
                 let other = residual([0, 1].map(|i| at[i] + along[i]));
                 own.zip(other).is_none_or(|(own, other)| other <= (1.0 + ALIKE) * own + EQUAL * contrast)
             };
             if edges.is_pure || !state.is_significant() || edges.along.iter().all(is_free) {
-                return Some(Self::Aperture { across: edges.across, period_px: edges.period(from, &counts) });
+                return Some(Self::Aperture { across: edges.across, period_px: edges.period(from, &informative) });
             }
         }
         let own = residual(at).filter(|_| state.is_significant())?;
@@ -140,7 +144,7 @@ fn peaks(state: &State) -> Vec<[i32; 2]> {
 }
 
 /// The pixels that tell of motion: all but those that are the same in both frames and flat, as a border or a caption at rest is.
-fn informative([from, to]: [&Gray; 2]) -> Mask {
+fn informative_mask([from, to]: [&Gray; 2]) -> Mask {
     let (width, height) = from.size();
     let is_idle = |x: usize, y: usize| {
         let around = |at: usize, extent: usize| at.saturating_sub(1)..(at + 2).min(extent);
@@ -155,29 +159,47 @@ fn informative([from, to]: [&Gray; 2]) -> Mask {
     })
 }
 
-/// The mean absolute difference in gray levels of frame t and frame t + 1 where the one displaced by `by` covers the other, over the pixels
-/// that count in both; `None` where they hardly overlap.
-fn residual([from, to]: [&Gray; 2], counts: &Mask, [u, v]: [i32; 2]) -> Option<f64> {
-    let (width, height) = (from.width() as i32, from.height() as i32);
-    let (columns, rows) = ((-u).max(0)..width - u.max(0), (-v).max(0)..height - v.max(0));
-    let (mut sum, mut count) = (0_u64, 0_u64);
-    for (x, y) in rows.flat_map(|y| columns.clone().map(move |x| (x, y))) {
-        let [here, there] = [(x as usize, y as usize), ((x + u) as usize, (y + v) as usize)];
-        if counts.get(here.0, here.1) && counts.get(there.0, there.1) {
-            sum += u64::from(from[here].abs_diff(to[there]));
-            count += 1;
-        }
-    }
-    (count as f64 >= LEAST_OVERLAP * counts.count().max(1) as f64).then(|| sum as f64 / count.max(1) as f64)
+/// The pixels of frame t that tell of motion, and the places among them at which pictures are compared.
+struct Informative {
+    mask: Mask,
+    places: Vec<(usize, usize)>,
 }
 
-/// The mean absolute deviation of the pixels that count from their mean, in gray levels.
-fn contrast(picture: &Gray, counts: &Mask) -> f64 {
-    let (width, height) = picture.size();
-    let places = || (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).filter(|(x, y)| counts.get(*x, *y));
-    let count = counts.count().max(1) as f64;
-    let mean = places().map(|place| f64::from(picture[place])).sum::<f64>() / count;
-    places().map(|place| (f64::from(picture[place]) - mean).abs()).sum::<f64>() / count
+impl Informative {
+    /// Samples one pixel at random in each square of a grid, so that no pattern is met at its own period.
+    fn of(pair: [&Gray; 2]) -> Self {
+        let mask = informative_mask(pair);
+        let (width, height) = pair[0].size();
+        let side = ((width * height).div_ceil(MOST_PLACES) as f64).sqrt().ceil() as usize;
+        let cells = (0..height).step_by(side).flat_map(|y| (0..width).step_by(side).map(move |x| (x, y)));
+        let sampled = cells.map(|(x, y)| {
+            let random = hash(0, x as u64, y as u64) as usize;
+            (x + random % side, y + random / side % side)
+        });
+        let places = sampled.filter(|&(x, y)| x < width && y < height && mask.get(x, y)).collect();
+        Self { mask, places }
+    }
+
+    /// The mean absolute difference in gray levels of two pictures where the one displaced by `by` covers the other, over the places that
+    /// tell of motion in both; `None` where they hardly overlap.
+    fn residual(&self, [from, to]: [&Gray; 2], [u, v]: [i32; 2]) -> Option<f64> {
+        let (mut sum, mut count) = (0_u64, 0_usize);
+        for &here in &self.places {
+            let there = (here.0.wrapping_add_signed(u as isize), here.1.wrapping_add_signed(v as isize));
+            if there.0 < to.width() && there.1 < to.height() && self.mask.get(there.0, there.1) {
+                sum += u64::from(from[here].abs_diff(to[there]));
+                count += 1;
+            }
+        }
+        (count as f64 >= LEAST_OVERLAP * self.places.len().max(1) as f64).then(|| sum as f64 / count.max(1) as f64)
+    }
+}
+
+/// The mean absolute deviation of the pixels that tell of motion from their mean, in gray levels.
+fn contrast(picture: &Gray, Informative { places, .. }: &Informative) -> f64 {
+    let count = places.len().max(1) as f64;
+    let mean = places.iter().map(|place| f64::from(picture[*place])).sum::<f64>() / count;
+    places.iter().map(|place| (f64::from(picture[*place]) - mean).abs()).sum::<f64>() / count
 }
 
 /// The edges of a texture that all have one direction.
@@ -193,10 +215,10 @@ struct Edges {
 }
 
 impl Edges {
-    /// Those of a picture, if they have one direction: displaced along them it differs from itself by its noise alone, however far.
-    fn of(picture: &Gray, counts: &Mask) -> Option<Self> {
-        let ([x, y], ratio) = main_gradient(picture, counts)?;
-        let change = |by: [i32; 2]| residual([picture, picture], counts, by);
+    /// Returns the edges of a picture if they have one direction: displaced along them, the picture differs from itself by its noise alone.
+    fn of(picture: &Gray, informative: &Informative) -> Option<Self> {
+        let ([x, y], ratio) = main_gradient(picture, &informative.mask)?;
+        let change = |by: [i32; 2]| informative.residual([picture, picture], by);
         let far = (picture.width().min(picture.height()) as i32 / 3).min(ALONG_PX[1]);
         let along = (ALONG_PX[0]..=far).map(|length| [-y, x].map(|c| (c * f64::from(length)).round() as i32));
         let mut along: Vec<_> =
@@ -214,10 +236,10 @@ impl Edges {
 
     /// The period of the picture across the edges in px, if it repeats: after it, and after twice as much, the picture differs from itself by
     /// little more than its noise, and by much between.
-    fn period(&self, picture: &Gray, counts: &Mask) -> Option<i32> {
+    fn period(&self, picture: &Gray, informative: &Informative) -> Option<i32> {
         let change = |step: i32| {
             let by = self.across.map(|c| (c * f64::from(step)).round() as i32);
-            residual([picture, picture], counts, by).unwrap_or(f64::INFINITY)
+            informative.residual([picture, picture], by).unwrap_or(f64::INFINITY)
         };
         let [noise, most] = self.changes;
         let is_low = |step: i32| change(step) < noise + RISE * (most - noise);

@@ -55,7 +55,7 @@ impl Evidence {
 }
 
 impl Appearance {
-    /// That of a region, in a window of this size around it.
+    /// Returns the appearance of a region: its pixels, and its gray levels beside those of a window around it.
     pub fn of(luma: &Gray, region: Region, window: (usize, usize)) -> Self {
         let pixels = cut(luma, region.center, region.size.map(|side| side.round().max(1.0) as usize));
         let [shares, _] = shares(luma, (region.center, pixels.size()), window);

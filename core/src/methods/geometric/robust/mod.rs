@@ -197,9 +197,9 @@ pub struct Consensus {
 /// The inliers counted in an iteration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct InlierCounts {
-    /// The most of its hypotheses; none where the sample determines no model.
+    /// The most inliers of its hypotheses; `None` if the sample determines no model.
     pub own: Option<usize>,
-    /// Those of the best hypothesis so far, if there is one.
+    /// The inliers of the best hypothesis so far; `None` before the first.
     pub best: Option<usize>,
 }
 
