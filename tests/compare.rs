@@ -177,7 +177,7 @@ fn the_courses_table_is_measured_cell_by_cell() {
         let claims = row["claims"].as_array().unwrap();
         let judged: Vec<bool> = claims.iter().filter_map(|claim| claim["holds"].as_bool()).collect();
         let expected = match judged.iter().filter(|holds| **holds).count() {
-            _ if judged.is_empty() => "not measured",
+            _ if judged.is_empty() => "undecided",
             0 => "does not hold",
             all if all == judged.len() => "holds",
             _ => "holds in part",

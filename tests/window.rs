@@ -1015,9 +1015,10 @@ fn the_courses_table_is_measured_in_the_window_too() {
     window.compared();
     assert!(window.harness.query_by_label("3.88").is_some(), "the window of full search grows");
     let count = |label: &str| window.harness.query_all_by_label(label).count();
-    let [holds, in_part, fails, unmeasured] = ["holds", "holds in part", "does not hold", "not measured"].map(count);
-    assert!(holds >= 4 && unmeasured == 1, "{holds} hold, {unmeasured} are not measured");
-    assert_eq!(holds + in_part + fails + unmeasured, 15);
+    let [holds, in_part, fails, undecided] = ["holds", "holds in part", "does not hold", "undecided"].map(count);
+    // Typical applications are a judgement; on this clip two searches are equally accurate.
+    assert!(holds >= 4 && (1..=2).contains(&undecided), "{holds} hold, {undecided} are undecided");
+    assert_eq!(holds + in_part + fails + undecided, 15);
     assert!(window.harness.query_all_by_label_contains("(line 631)").count() > 0, "statements have their lines");
     window.harness.get_by_label("Estimators").click();
     window.compared();

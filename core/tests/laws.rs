@@ -352,11 +352,9 @@ fn steps_show_the_charts_that_are_declared_and_no_others() {
         if estimator.get("resample-below").is_ok() {
             estimator.set("resample-below", "1").expect("a share");
         }
-        // Some plot what happens from frame to frame.
-        let clip = match estimator.guarantee() {
-            Guarantee::SceneFlow => street(),
-            _ => moving(50, 41, (1, -2), 4),
-        };
+        // Some plot what happens from frame to frame, and some need points at different depths.
+        let is_of_depth = estimator.guarantee() == Guarantee::SceneFlow || estimator.get("focal-length").is_ok();
+        let clip = if is_of_depth { street() } else { moving(50, 41, (1, -2), 4) };
         let mut walk = estimator.walk(&clip, 0).unwrap();
         let mut shown = std::collections::HashSet::new();
         while !walk.at_end() {

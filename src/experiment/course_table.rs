@@ -60,8 +60,8 @@ pub enum Verdict {
     InPart,
     /// None.
     DoesNotHold,
-    /// There is nothing to measure.
-    NotMeasured,
+    /// The measurements decide none of them: figures hardly differ, or there is nothing to measure.
+    Undecided,
 }
 
 impl Verdict {
@@ -71,7 +71,7 @@ impl Verdict {
             Self::Holds => "holds",
             Self::InPart => "holds in part",
             Self::DoesNotHold => "does not hold",
-            Self::NotMeasured => "not measured",
+            Self::Undecided => "undecided",
         }
     }
 }
@@ -496,7 +496,7 @@ impl CourseRow {
     pub fn verdict(&self) -> Verdict {
         let judged: Vec<bool> = self.claims.iter().filter_map(|claim| claim.holds).collect();
         match judged.iter().filter(|holds| **holds).count() {
-            _ if judged.is_empty() => Verdict::NotMeasured,
+            _ if judged.is_empty() => Verdict::Undecided,
             0 => Verdict::DoesNotHold,
             all if all == judged.len() => Verdict::Holds,
             _ => Verdict::InPart,
@@ -610,6 +610,6 @@ mod tests {
         assert_eq!(verdict(&[Some(true), Some(true)]), Verdict::Holds);
         assert_eq!(verdict(&[Some(true), Some(false), None]), Verdict::InPart);
         assert_eq!(verdict(&[Some(false)]), Verdict::DoesNotHold);
-        assert_eq!(verdict(&[None]), Verdict::NotMeasured);
+        assert_eq!(verdict(&[None]), Verdict::Undecided);
     }
 }

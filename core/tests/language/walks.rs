@@ -168,8 +168,9 @@ pub fn chosen_otherwise(stage: &Value) -> Vec<Value> {
     choices.flat_map(|(i, spec)| tried(&spec.kind).into_iter().map(move |value| (i, value))).map(one).collect()
 }
 
-/// Settings tried together: a filter that expects no change of velocity follows the box that stops.
-const TOGETHER: [(&str, &str); 2] = [("object", "4"), ("process-noise", "0")];
+/// Settings tried together: a filter that expects neither a change of velocity nor much noise follows the box that stops, and
+/// diverges.
+const TOGETHER: [(&str, &str); 3] = [("object", "4"), ("process-noise", "0"), ("measurement-noise", "0.5")];
 
 /// An estimator at its defaults, but small, and with one parameter after the other set to what it is tried with.
 pub fn settings(estimator: &dyn AnyEstimator) -> Vec<Box<dyn AnyEstimator>> {
