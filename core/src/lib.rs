@@ -107,7 +107,7 @@ pub use products::{
     DisparityField, EpipolarField, Feature, Followed, Keypoint, MaskField, Match, MatchField, MatchStatus, Model,
     ModelField, Object, ObjectField, ObjectFrame, Output, PathField, PointField, Product, ProductKind, Region,
     RegionField, RegionFrame, SceneFlowField, Segment, SegmentField, SegmentFrame, Status, Streak, Streaks, Track,
-    TrackField, TrackStatus, metrics, predict, table,
+    TrackField, TrackStatus, Watched, metrics, predict, table,
 };
 pub use run::{
     AnyEstimator, AnyRun, Beside, CandidateCount, Cursor, Direction, Estimator, Explained, Extent, FRAME, FRAMES,

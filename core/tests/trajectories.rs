@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use motionscope_core::objects::trajectory::Trajectory;
+use motionscope_core::products::Reference;
 use motionscope_core::{
     AnyEstimator, Bounds, Clip, Cursor, Detection, Move, ObjectField, Scene, Threads, estimator, scene::Readout, synth,
 };
@@ -67,6 +68,21 @@ fn speed_heading_counts_and_stays_are_those_of_the_objects() {
         assert!((10..=11).contains(&of.dwell_frames()) && of.dwells.len() == 1, "{:?}", of.dwells);
     }
     assert_eq!(all[2].dwells, []);
+}
+
+#[test]
+fn where_no_line_and_no_zone_is_set_nothing_is_counted() {
+    let clip = clip(&[(0, [20.0, 60.0], [4.0, 0.0], 60)], 70);
+    let scored = |settings: &[(&str, &str)], name: &str| {
+        let output = analysis(settings).run(&clip, 0, &Threads::single()).expect("it runs");
+        let assessed = output.assess(&Reference { clip: &clip, frame: 0 }).expect("an assessment");
+        let score = assessed.scores.iter().find(|score| score.measure.key == name).expect("a score");
+        score.value.real()
+    };
+    for (parameter, value, name) in [("line", "300,20,310,20", "crossed_right"), ("zone", "300,10,310,20", "in_zone")] {
+        assert_eq!(scored(&[], name), None, "{name}");
+        assert_eq!(scored(&[(parameter, value)], name), Some(0.0), "{name}");
+    }
 }
 
 #[test]

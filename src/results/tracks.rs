@@ -99,7 +99,7 @@ mod tests {
 
     use motionscope_core::objects::trajectory::{Places, Trajectory};
     use motionscope_core::params::{Line, Zones};
-    use motionscope_core::{Blob, Bounds, Detection, ObjectFrame, Region, RegionFrame};
+    use motionscope_core::{Blob, Bounds, Detection, ObjectFrame, Region, RegionFrame, Watched};
 
     use super::*;
 
@@ -130,7 +130,14 @@ mod tests {
             Arc::new(ObjectFrame { mask: None, detections: vec![found], objects: Vec::new() }),
             Arc::new(ObjectFrame { mask: None, detections: Vec::new(), objects: all }),
         ];
-        ObjectField { followed: Followed::All, picture: (32, 24), first: 4, frames, trajectories: Vec::new() }
+        ObjectField {
+            followed: Followed::All,
+            picture: (32, 24),
+            first: 4,
+            frames,
+            trajectories: Vec::new(),
+            watched: Watched::default(),
+        }
     }
 
     #[test]

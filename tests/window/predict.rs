@@ -30,6 +30,21 @@ fn said(window: &Window) -> String {
     window.shown().step.sentence.plain()
 }
 
+/// The panes that show nothing as long as a question is open.
+fn hidden(window: &Window) -> usize {
+    window.harness.query_all_by_label_contains("Hidden until").count()
+}
+
+#[test]
+fn a_question_names_the_unit_that_it_is_about() {
+    let mut window = asking("full-search", "27.3", "synth:pillar");
+    while question(&window).is_none() {
+        window.key(Key::ArrowRight);
+    }
+    let text = question(&window).expect("one is open").text;
+    assert!(window.harness.query_by_label(&format!("Block 27: {text}")).is_some(), "{text}");
+}
+
 #[test]
 fn a_result_is_hidden_until_it_is_revealed() {
     let mut plain = Window::usual();
@@ -45,9 +60,10 @@ fn a_result_is_hidden_until_it_is_revealed() {
         if question(&window).is_some() {
             asked += 1;
             assert_eq!((window.cursor(), said(&window)), before, "nothing of the next step is told");
+            assert!(hidden(&window) > 1, "explanation and chart are blank");
             window.key(Key::ArrowRight);
         }
-        assert_eq!(question(&window), None);
+        assert_eq!((question(&window), hidden(&window)), (None, 0));
         assert_eq!((window.cursor(), said(&window)), (plain.cursor(), said(&plain)));
     }
     assert!(asked >= 3, "asked {asked} times");

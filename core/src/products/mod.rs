@@ -44,7 +44,7 @@ pub use mask::MaskField;
 pub use matches::{Match, MatchErrors, MatchField, MatchStatus, RIGHT_WITHIN_PX};
 pub use metrics::FlowError;
 pub use model::{Model, ModelField, Support};
-pub use objects::{Followed, Object, ObjectField, ObjectFrame, TrackStatus};
+pub use objects::{Followed, Object, ObjectField, ObjectFrame, TrackStatus, Watched};
 pub use output::Output;
 pub use path::{PathField, Views};
 pub use prediction::{PSNR, predict};

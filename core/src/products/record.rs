@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Followed, MaskField, ObjectField, ObjectFrame, Output};
+use super::{Followed, MaskField, ObjectField, ObjectFrame, Output, Watched};
 use crate::data::PackedMask;
 
 /// The results frame by frame; copies share them.
@@ -33,8 +33,14 @@ impl Record {
     pub fn output(&self, picture: (usize, usize), first: usize) -> Output {
         let frames = || Vec::clone(&self.frames);
         let masks = MaskField { picture, first, frames: frames() };
-        let objects =
-            ObjectField { followed: Followed::Nothing, picture, first, frames: frames(), trajectories: Vec::new() };
+        let objects = ObjectField {
+            followed: Followed::Nothing,
+            picture,
+            first,
+            frames: frames(),
+            trajectories: Vec::new(),
+            watched: Watched::default(),
+        };
         Output::of(masks).and(objects)
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::assessment::{fact, scores};
 use super::{
     Assessment, Cell, Figure, Followed, Measure, Motion, Object, ObjectField, ObjectFrame, Product, ProductKind,
-    Reference, Table, TrackStatus,
+    Reference, Table, TrackStatus, Watched,
 };
 use crate::base::{Error, words::grouped};
 use crate::data::Clip;
@@ -189,6 +189,7 @@ impl RegionField {
             first: self.first,
             frames: self.frames.iter().map(frame).collect(),
             trajectories: Vec::new(),
+            watched: Watched::default(),
         }
     }
 }

@@ -411,17 +411,14 @@ impl App {
         }
     }
 
-    /// Asks for the region of an object where a tracker has taken one in the middle of the frame.
+    /// Asks for the region of an object where a tracker has taken one in the middle of the frame: it can be dragged at once.
     pub(super) fn ask_for_region(&mut self) {
         let (document, frame) = (&self.document, self.document.frame());
         let opened = document.source().zip(document.clip());
-        let spec = opened.and_then(|opened| unplaced(document.estimator(), opened, frame));
-        if let Some(spec) = spec {
-            self.toasts.hint(format!(
-                "{}: choose Place beside the parameter and drag one on the first frame.",
-                capital(&told_of_unplaced(spec))
-            ));
-        }
+        let Some(spec) = opened.and_then(|opened| unplaced(document.estimator(), opened, frame)) else { return };
+        let index = document.estimator().specs().iter().position(|other| other.name == spec.name);
+        self.toasts.hint(format!("{}: drag one on the first frame, or press Esc.", capital(&told_of_unplaced(spec))));
+        self.place(index);
     }
 
     /// Switches the estimator and keeps the position if both have the same units; for units that are frames, the shown frame.

@@ -113,7 +113,9 @@ impl App {
             self.settings.close_drawer();
             // What only introduces the window is nothing for a class.
             self.toasts.end_introductions();
-            self.toasts.hint("1 to 5 choose the chart, Esc shows the menus again.".to_owned());
+            // While results are asked about, digits count hands.
+            let digits = if self.predict.is_on() { "" } else { "1 to 5 choose the chart. " };
+            self.toasts.hint(format!("{digits}Esc shows the menus again."));
         }
     }
 

@@ -564,6 +564,7 @@ impl App {
             error: self.error.as_ref(),
             asks_for_trust: self.asks_for_trust(),
             states: &mut self.states,
+            is_asked: self.predict.open().is_some(),
             of_step,
             charts: &mut self.settings.charts,
             shares: &mut self.settings.shares,
@@ -596,7 +597,9 @@ impl App {
             Overlay::None => false,
             Overlay::Palette(state) => {
                 let (now, granularities, recent) = (self.now(), self.granularities(), self.settings.recent.as_slice());
-                let (chosen, open) = palette::show(ctx, state, &palette::Input { now, granularities, recent, theme });
+                let estimator = self.document.estimator().info().id;
+                let input = palette::Input { now, granularities, estimator, recent, theme };
+                let (chosen, open) = palette::show(ctx, state, &input);
                 actions.0.extend(chosen);
                 open
             }

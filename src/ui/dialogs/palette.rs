@@ -57,6 +57,8 @@ pub struct Input<'a> {
     pub now: Situation,
     /// The names of the ladder.
     pub granularities: Granularities,
+    /// The estimator that is chosen.
+    pub estimator: &'static str,
     /// Clips that were open lately.
     pub recent: &'a [PathBuf],
     /// The look.
@@ -211,10 +213,14 @@ fn tags(command: Command) -> &'static str {
         C::ExportResult => "export save flow vectors csv table flo kitti mot tracks masks npy",
         C::Fit | C::ActualSize => "zoom whole scale pixel",
         C::ZoomIn | C::ZoomOut => "magnify larger smaller",
-        C::LargerInterface | C::SmallerInterface | C::NormalInterface => "font text type size scale zoom",
-        C::DarkTheme | C::LightTheme | C::ProjectorTheme | C::NextTheme => "colours appearance beamer contrast",
+        C::LargerInterface | C::SmallerInterface | C::NormalInterface => {
+            "font text type size scale zoom settings preferences options"
+        }
+        C::DarkTheme | C::LightTheme | C::ProjectorTheme | C::NextTheme => {
+            "colours appearance beamer contrast settings preferences options"
+        }
         C::Lecture | C::FullScreen => "presentation projector beamer class",
-        C::ReducedMotion => "animation accessibility",
+        C::ReducedMotion => "animation accessibility settings preferences options",
         C::Compare | C::Lockstep => "side by side table benchmark versus",
         C::Play | C::PlayBack | C::Slower | C::Faster => "speed animate pause reverse",
         C::NextFrame | C::PreviousFrame => "pair time",
@@ -263,12 +269,13 @@ fn entries(input: &Input) -> Vec<Entry> {
         let (tip, about, keys) = (String::new(), sample.teaches.to_owned(), String::new());
         Entry { icon: Icon::Film, text, tip, also: sample.id, about, keys, action }
     });
-    let examples = examples::examples().flat_map(|example| example.of.iter().map(move |id| (*id, example)));
-    let examples = examples.filter_map(|(id, example)| {
+    // An example of several estimators opens with the one that is chosen, if it is among them.
+    let examples = examples::examples().filter_map(|example| {
         let text = format!("Example: {}", example.title);
-        let tip = name(id)?.to_owned();
+        let id = example.of.iter().find(|id| **id == input.estimator).or(example.of.first()).copied()?;
+        let (tip, others) = (name(id)?.to_owned(), example.of.iter().filter_map(|id| name(id)).collect::<Vec<_>>());
         let cause = example.cause.map_or("works", Cause::name);
-        let (about, keys) = (format!("{tip} {cause} {}", example.says), String::new());
+        let (about, keys) = (format!("{} {cause} {}", others.join(" "), example.says), String::new());
         let action = Action::OpenExample(id, example);
         Some(Entry { icon: Icon::Lightbulb, text, tip, also: id, about, keys, action })
     });
@@ -348,7 +355,7 @@ mod tests {
     fn names(query: &str) -> Vec<String> {
         let now = Situation { has_clip: true, has_run: true, ..Situation::default() };
         let granularities = Granularities::new(&["run", "block", "candidate"]);
-        let input = Input { now, granularities, recent: &[], theme: Theme::Dark };
+        let input = Input { now, granularities, estimator: "klt", recent: &[], theme: Theme::Dark };
         found(query, &input).into_iter().map(|entry| entry.text).collect()
     }
 
@@ -364,8 +371,25 @@ mod tests {
             ("stripes", "Sample: "),
             ("point cloud", "Chart: Point cloud"),
             ("search window", "Lesson: Sequential search"),
+            ("settings", Command::LargerInterface.info().text),
+            ("preferences", Command::DarkTheme.info().text),
+            ("font", Command::LargerInterface.info().text),
+            ("contrast", Command::ProjectorTheme.info().text),
         ] {
             assert!(names(query).iter().any(|found| found.starts_with(text)), "{query}: {:?}", names(query));
+        }
+    }
+
+    #[test]
+    fn an_example_of_several_estimators_is_listed_once_and_opens_with_the_chosen_one() {
+        let now = Situation { has_clip: true, has_run: true, ..Situation::default() };
+        let granularities = Granularities::new(&["run", "block", "candidate"]);
+        let shared = examples::examples().find(|example| example.of.len() > 2).expect("one that is shared");
+        for estimator in [shared.of[0], shared.of[2]] {
+            let all = entries(&Input { now, granularities, estimator, recent: &[], theme: Theme::Dark });
+            let of_it = |entry: &Entry| matches!(entry.action, Action::OpenExample(_, example) if std::ptr::eq(example, shared));
+            let listed: Vec<_> = all.iter().filter(|entry| of_it(entry)).map(|entry| entry.also).collect();
+            assert_eq!(listed, [estimator]);
         }
     }
 
@@ -397,7 +421,7 @@ mod tests {
         for query in ["export picture", "search window", "kalman"] {
             let now = Situation { has_clip: true, has_run: true, ..Situation::default() };
             let granularities = Granularities::new(&["run", "block", "candidate"]);
-            let input = Input { now, granularities, recent: &[], theme: Theme::Dark };
+            let input = Input { now, granularities, estimator: "klt", recent: &[], theme: Theme::Dark };
             let all = found(query, &input);
             let places: Vec<_> = all.iter().filter_map(|entry| rank(query, entry)).map(|(place, _)| place).collect();
             // The search of all texts comes last, whatever it is called.

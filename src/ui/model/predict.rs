@@ -11,7 +11,7 @@ use std::sync::Arc;
 use motionscope_core::Cursor;
 use motionscope_core::scene::{Answer, Asked, Focus, Question, Shown, asked};
 
-pub use answers::{DIRECTIONS, Guesses, Verdict};
+pub use answers::{ARROWS, DIRECTIONS, Guesses, Verdict};
 pub use score::Score;
 
 use super::snapshot::Snapshot;
@@ -78,6 +78,11 @@ impl Open {
     /// Returns the step that it is about.
     pub fn cursor(&self) -> Cursor {
         self.after.cursor
+    }
+
+    /// Returns the step that it is about, of which nothing but its place in the run may be told.
+    pub fn asked_of(&self) -> &Snapshot {
+        &self.after
     }
 
     /// Returns the unit of the number that is asked for; empty if none is.

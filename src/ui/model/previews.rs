@@ -13,6 +13,8 @@ use motionscope_core::synth::{SCENES, Sample};
 pub const PICTURE_PX: (usize, usize) = (240, 180);
 /// Pictures of a film per second.
 const RATE: f64 = 10.0;
+/// How often a film is played while a pointer rests on it.
+const TIMES: usize = 3;
 /// The number of no order.
 const NONE: usize = usize::MAX;
 
@@ -79,11 +81,20 @@ impl Film {
         self.is_whole = true;
     }
 
-    /// The index of the picture that is shown; until all are there, the last one stays.
+    /// The number of pictures that were due since the first one.
+    fn due(&self, now: f64) -> usize {
+        ((now - self.begun) * RATE + 1e-6) as usize
+    }
+
+    /// The index of the picture that is shown; until all are there, and after the last time, the last one stays.
     fn at(&self, now: f64) -> usize {
-        let count = self.pictures.len().max(1);
-        let due = ((now - self.begun) * RATE + 1e-6) as usize;
-        if self.is_whole { due % count } else { due.min(count - 1) }
+        let (count, due) = (self.pictures.len().max(1), self.due(now));
+        if self.is_whole && !self.is_over(now) { due % count } else { due.min(count - 1) }
+    }
+
+    /// Whether it was shown often enough: a pointer that rests on it would keep the window busy.
+    fn is_over(&self, now: f64) -> bool {
+        self.is_whole && self.due(now) >= TIMES * self.pictures.len()
     }
 }
 
@@ -168,7 +179,8 @@ impl Previews {
             Some(_) => {}
             None => self.stop(),
         }
-        if self.film.is_some() {
+        let now = ctx.input(|input| input.time);
+        if self.film.as_ref().is_some_and(|film| !film.is_over(now)) {
             ctx.request_repaint_after_secs((1.0 / RATE) as f32);
         }
     }
@@ -327,6 +339,8 @@ mod tests {
         assert_eq!([5.0, 5.15, 5.25, 9.0].map(|now| film.at(now)), [0, 1, 2, 2]);
         film.end(9.0);
         assert_eq!([9.0, 9.15, 9.25].map(|now| film.at(now)), [2, 0, 1], "no picture is left out");
+        assert_eq!([9.55, 9.75, 99.0].map(|now| film.at(now)), [1, 2, 2], "it rests after the last time");
+        assert_eq!([9.65, 9.75].map(|now| film.is_over(now)), [false, true]);
     }
 
     #[test]

@@ -100,6 +100,9 @@ impl Panes<'_> {
                     if panes.is_stale() {
                         ui.multiply_opacity(0.4);
                     }
+                    if panes.is_asked {
+                        return super::hidden(ui);
+                    }
                     let area = ui.available_rect_before_wrap();
                     ui.push_id(pane.id, |ui| panes.chart(ui, pane));
                     panes.handwriting(ui, area, pane);

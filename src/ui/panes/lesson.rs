@@ -1,7 +1,10 @@
 //! The page of a lesson: its words and formulas, and the way to the pages around it.
 
+use std::sync::Arc;
+
 use eframe::egui::{
-    Align, Button, CursorIcon, Layout, Rect, RichText, ScrollArea, Sense, Stroke, TextStyle, Ui, UiBuilder, pos2, vec2,
+    Align, Button, CursorIcon, Galley, Layout, Rect, RichText, ScrollArea, Sense, Stroke, TextStyle, Ui, UiBuilder,
+    pos2, vec2,
 };
 use lucide_icons::Icon;
 use motionscope_core::Direction;
@@ -93,7 +96,9 @@ pub fn show(ui: &mut Ui, rect: Rect, input: Input<'_>, state: &mut State, action
     ui.set_clip_rect(ui.clip_rect().intersect(rect));
     head(&mut ui, open, back, actions);
     let footer = ui.spacing().interact_size.y + 8.0;
-    let height = (ui.available_height() - footer).max(40.0);
+    let ending = open.is_over.then(|| laid_out_ending(&ui, open, inside.width()));
+    let ending_height = ending.as_ref().map_or(0.0, |text| text.size().y + 8.0);
+    let height = (ui.available_height() - footer - ending_height).max(40.0);
     let scroll = ScrollArea::vertical().id_salt("page").auto_shrink(false).max_height(height);
     let turned = state.page.as_ref() != Some(open.address());
     state.page = Some(open.address().clone());
@@ -107,6 +112,10 @@ pub fn show(ui: &mut Ui, rect: Rect, input: Input<'_>, state: &mut State, action
         }
     });
     let foot = Rect::from_min_max(pos2(inside.min.x, inside.max.y - footer + 8.0), inside.max);
+    if let Some(text) = ending {
+        let above = Rect::from_min_size(pos2(inside.min.x, foot.min.y - ending_height), text.size());
+        widgets::inside(&mut ui, above, Layout::left_to_right(Align::Center)).label(text);
+    }
     footer_row(
         &mut widgets::inside(&mut ui, foot, Layout::left_to_right(Align::Center)),
         (open, !state.has_notes_elsewhere),
@@ -186,6 +195,13 @@ fn words(
     }
 }
 
+/// What → does at the end of a lesson, in so much width: it never stands beside what would cut it off.
+fn laid_out_ending(ui: &Ui, open: &OpenLesson, width: f32) -> Arc<Galley> {
+    let text = open.next().map_or_else(|| "End of the lesson".to_owned(), |next| format!("→ again: {}", next.title));
+    let font = eframe::egui::FontId::new(TextStyle::Body.resolve(ui.style()).size, style::bold());
+    ui.painter().layout(text, font, ui.visuals().strong_text_color(), width)
+}
+
 /// Back, which page it is, on, and the notes where they may be seen.
 fn footer_row(ui: &mut Ui, (open, has_notes): (&mut OpenLesson, bool), actions: &mut Actions) {
     let way = |ui: &mut Ui, command: Command, is_there: bool| {
@@ -198,11 +214,6 @@ fn footer_row(ui: &mut Ui, (open, has_notes): (&mut OpenLesson, bool), actions: 
     ui.label(format!("{} of {}", open.address().page + 1, open.lesson().pages.len()));
     if way(ui, Command::NextPage, !open.is_at(Direction::Forward)) {
         actions.command(Command::NextPage);
-    }
-    if open.is_over {
-        let ending =
-            open.next().map_or_else(|| "End of the lesson".to_owned(), |next| format!("→ again: {}", next.title));
-        ui.label(RichText::new(ending).strong());
     }
     if has_notes && !open.page().notes.is_empty() {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {

@@ -153,6 +153,8 @@ pub struct Panes<'a> {
     pub asks_for_trust: bool,
     /// What the panes remember.
     pub states: &'a mut States,
+    /// Whether a question is open: explanation and charts are of the last result, and would suggest an answer to the next.
+    pub is_asked: bool,
     /// The charts of the step that is explained.
     pub of_step: Vec<&'static Pane>,
     /// Which charts are looked at.
@@ -273,6 +275,9 @@ impl Panes<'_> {
         self.within(ui, rect, margin, "explanation", |panes, ui| {
             if panes.is_stale() {
                 ui.multiply_opacity(0.4);
+            }
+            if panes.is_asked {
+                return hidden(ui);
             }
             panes.explanation(ui, has_sentence);
         });
@@ -555,7 +560,9 @@ impl Panes<'_> {
 
     /// Sentence and formula.
     fn strip(&mut self, ui: &mut Ui, room: explanation::StripRoom) {
-        if let Some(shown) = &self.view.shown {
+        if self.is_asked {
+            hidden(ui);
+        } else if let Some(shown) = &self.view.shown {
             let beside = Beside::new(&shown.scene, self.explained(shown).0.family, self.look.theme);
             let input = self.explanation_input(shown, &beside);
             explanation::strip(ui, (input, room), &mut self.states.strip);
@@ -586,6 +593,11 @@ fn sentence(error: &Error, clip: Option<&Clip>) -> String {
     let text = if is_word && !named { capital(&text) } else { text };
     let end = if text.ends_with(['.', '!', '?']) { "" } else { "." };
     text + end
+}
+
+/// What stands in the place of an explanation or a chart while a question is open.
+fn hidden(ui: &mut Ui) {
+    empty(ui, "Hidden until the result is revealed.");
 }
 
 /// A pane with nothing in it says why.

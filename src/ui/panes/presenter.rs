@@ -162,7 +162,7 @@ fn now_and_next(ui: &mut Ui, input: &Input<'_>) {
 fn tally(ui: &mut Ui, predict: &Predict, theme: Theme) {
     let Some(open) = predict.last() else { return };
     widgets::heading(ui, "Question");
-    ui.label(open.question.text);
+    ui.label(super::question::title(predict));
     let answers = if asks_for_place(open.question) { DIRECTIONS.to_vec() } else { open.question.choices() };
     let right = open.verdict().map(|verdict| verdict.right).unwrap_or_default();
     let most = open.guesses.hands.iter().copied().max().unwrap_or(0).max(1);

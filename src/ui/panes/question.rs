@@ -2,13 +2,14 @@
 
 use eframe::egui::{self, Align, Button, Layout, RichText, TextEdit, TextStyle, Ui, WidgetInfo, vec2};
 use lucide_icons::Icon;
-use motionscope_core::Cursor;
+use motionscope_core::{Cursor, capital};
 
 use crate::paint::Theme;
 use crate::ui::app::action::{Action, Actions};
 use crate::ui::app::commands::Command;
 use crate::ui::drawing::style;
-use crate::ui::model::predict::{DIRECTIONS, Open, Predict, asks_for_number, asks_for_place};
+use crate::ui::model::predict::{ARROWS, DIRECTIONS, Open, Predict, asks_for_number, asks_for_place};
+use crate::ui::panes::status;
 use crate::ui::parts::widgets;
 
 /// What was typed for a number.
@@ -84,9 +85,13 @@ impl State {
     }
 }
 
-/// The question, or what is asked for when there is none.
-fn title(predict: &Predict) -> String {
-    predict.last().map_or_else(|| "Predict, then reveal".to_owned(), |open| open.question.text.to_owned())
+/// The question with the unit that it is about, or what is asked for when there is none.
+pub fn title(predict: &Predict) -> String {
+    let Some(open) = predict.last() else { return "Predict, then reveal".to_owned() };
+    match status::unit(open.asked_of()) {
+        Some(unit) => format!("{}: {}", capital(&unit), open.question.text),
+        None => open.question.text.to_owned(),
+    }
 }
 
 /// How many questions the class has answered well, where hands were raised.
@@ -109,24 +114,28 @@ fn ways(ui: &mut Ui, open: &Open, (theme, state, is_new): (Theme, &mut State, bo
             guesses => format!("{guesses} guesses."),
         };
         ui.label(clicked);
-        hands(ui, &DIRECTIONS, open, (theme, actions));
+        let directions: Vec<_> = ARROWS.into_iter().zip(DIRECTIONS).collect();
+        hands(ui, &directions, open, (theme, actions));
     } else if asks_for_number(open.question) {
         number(ui, open, (state, is_new), actions);
     } else {
-        hands(ui, &open.question.choices(), open, (theme, actions));
+        let choices: Vec<_> = open.question.choices().into_iter().map(|answer| (answer, answer)).collect();
+        hands(ui, &choices, open, (theme, actions));
     }
 }
 
-/// A button for each answer, with its key and the hands for it.
-fn hands(ui: &mut Ui, answers: &[&str], open: &Open, (theme, actions): (Theme, &mut Actions)) {
+/// A button for each answer, by its text and its name, with its key and the hands for it.
+fn hands(ui: &mut Ui, answers: &[(&str, &str)], open: &Open, (theme, actions): (Theme, &mut Actions)) {
     let chrome = theme.chrome();
     let line = egui::Stroke::new(1.0, style::color(chrome.line));
-    for (index, (answer, hands)) in answers.iter().zip(&open.guesses.hands).enumerate() {
+    for (index, ((text, answer), hands)) in answers.iter().zip(&open.guesses.hands).enumerate() {
         let key = index + 1;
-        let counted = if *hands > 0 { format!("{key}  {answer} · {hands}") } else { format!("{key}  {answer}") };
+        let counted = if *hands > 0 { format!("{key}  {text} · {hands}") } else { format!("{key}  {text}") };
         let response = ui.add(Button::new(counted).fill(style::color(chrome.background)).stroke(line));
         response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, format!("{answer}: {hands}")));
-        let tip = format!("Count a hand for this answer. Key {key}; with Shift, or by a right click, take one away.");
+        let tip = format!(
+            "{answer}: count a hand for this answer. Key {key}; with Shift, or by a right click, take one away."
+        );
         let response = response.on_hover_text(tip);
         if response.clicked() {
             actions.ask(Action::Vote(index, true));

@@ -129,6 +129,11 @@ pub fn nested_place(shown: &Snapshot) -> Option<String> {
     (is_nested && !parts.is_empty()).then(|| parts.join(", "))
 }
 
+/// The innermost part of the run that a step belongs to: `block 3`; none where that is a frame, which is named by its number in the clip.
+pub fn unit(shown: &Snapshot) -> Option<String> {
+    place(shown, false).pop().filter(|(name, _)| *name != FRAME).map(|(_, words)| words)
+}
+
 /// Which pixel is explained, and how another one is.
 fn explained(Pointed { at: Focus { on, at: [x, y], object }, is_held }: Pointed) -> String {
     if let Some(object) = object {

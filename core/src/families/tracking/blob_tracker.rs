@@ -471,7 +471,9 @@ impl MultiTracker for BlobTracker {
         let objects = self.assign(clip, state, &table, observer)?;
         let detections: Vec<Detection> = table.blobs.iter().map(|blob| blob.detection).collect();
         let frame = state.run.finished(self.rules, detections, objects);
-        observer.see(|| Event(EventKind::Done(Arc::clone(&frame), Box::new(state.run.conclusion(clip, &frame, None)))));
+        observer.see(|| {
+            Event(EventKind::Done(Arc::clone(&frame), Box::new(state.run.conclusion(clip, &frame, (self.rules, None)))))
+        });
         Ok(state.run.note(clip, self.rules, frame))
     }
 

@@ -41,8 +41,9 @@ params! {
         chances: Chances = Chances::default();
         /// Maximum number of joint events of a cluster of tracks, the most probable ones.
         max_events: usize = 500, 1..=5000;
-        /// Track management.
-        rules: Rules = Rules::default();
+        /// Track management. Boxes of coasted frames are not interpolated by default: after a gap, the mean of several detections may
+        /// belong to another object.
+        rules: Rules = Rules { interpolate: false, ..Rules::default() };
     }
 }
 
@@ -191,7 +192,10 @@ impl MultiTracker for JointProbabilistic {
         let objects = self.update_tracks(state, (&validation, &weights), observer);
         let frame = state.run.finished(self.rules, Vec::clone(&detections), objects);
         observer.see(|| {
-            Event::Done(Arc::clone(&frame), Box::new(state.run.conclusion(clip, &frame, Some(&self.dynamics))))
+            Event::Done(
+                Arc::clone(&frame),
+                Box::new(state.run.conclusion(clip, &frame, (self.rules, Some(&self.dynamics)))),
+            )
         });
         Ok(state.run.note(clip, self.rules, frame))
     }

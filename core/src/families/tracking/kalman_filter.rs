@@ -21,7 +21,7 @@ use crate::methods::{
     },
 };
 use crate::params::Spots;
-use crate::products::{Followed, Object, ObjectField, ObjectFrame, Output, Product, ProductKind, TrackStatus};
+use crate::products::{Followed, Object, ObjectField, ObjectFrame, Output, Product, ProductKind, TrackStatus, Watched};
 use crate::run::{Estimator, Footprint, Foreground, Granularity, Guarantee, Info, Need, Progress, Seen, Span, Stage};
 use crate::scene::{Case, Chart, Question, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
@@ -589,6 +589,7 @@ impl Estimator for KalmanFilter {
             first: state.span.first,
             frames,
             trajectories: Vec::new(),
+            watched: Watched::default(),
         })
     }
 }

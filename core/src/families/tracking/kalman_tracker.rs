@@ -271,7 +271,10 @@ impl MultiTracker for KalmanTracker {
         let objects = self.update_tracks(state, &costs, observer);
         let frame = state.run.finished(self.rules, Vec::clone(&costs.detections), objects);
         observer.see(|| {
-            Event::Done(Arc::clone(&frame), Box::new(state.run.conclusion(clip, &frame, Some(&self.dynamics))))
+            Event::Done(
+                Arc::clone(&frame),
+                Box::new(state.run.conclusion(clip, &frame, (self.rules, Some(&self.dynamics)))),
+            )
         });
         Ok(state.run.note(clip, self.rules, frame))
     }

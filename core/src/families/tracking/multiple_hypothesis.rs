@@ -358,8 +358,12 @@ impl MultipleHypothesis {
             observer.see(|| Event::Revised(Arc::new(revised)));
         }
         let made = self.written(state, last, Vec::clone(detections));
-        observer
-            .see(|| Event::Done(Arc::clone(&made), Box::new(state.run.conclusion(clip, &made, Some(&self.dynamics)))));
+        observer.see(|| {
+            Event::Done(
+                Arc::clone(&made),
+                Box::new(state.run.conclusion(clip, &made, (self.rules, Some(&self.dynamics)))),
+            )
+        });
         let progress = state.run.note(clip, self.rules, made);
         if self.n_scan == 0 {
             state.run.settle();

@@ -9,7 +9,7 @@ use crate::data::Clip;
 use crate::methods::multi_object::directions::Directions;
 use crate::params::{Lines, Zones};
 use crate::products::{
-    ObjectField, ObjectFrame, Output, Product, ProductKind, TrackStatus,
+    ObjectField, ObjectFrame, Output, Product, ProductKind, TrackStatus, Watched,
     objects::trajectory::{Crossing, DirectionAnomaly, Dwell, Places, Trajectory, TrajectoryEvents},
 };
 use crate::run::{
@@ -287,6 +287,7 @@ impl Estimator for TrajectoryAnalysis {
             first: state.span.first,
             frames: state.frames.clone(),
             trajectories: state.trajectories.clone(),
+            watched: Watched { lines: self.lines.all().len(), zones: self.zones.all().len() },
         })
     }
 }

@@ -205,10 +205,11 @@ pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) 
     let tentative = count(tentative, "tentative track");
     let counts = format!("Frame {number}: {seen} confirmed, {coasting} coasting, {tentative}.");
     let overconfidence = conclusion.overconfidence().map(|test| test.verdict(false)).unwrap_or_default();
+    let stationary = stationary(conclusion.stationary);
     let Some(run) = conclusion.run.filter(|run| run.truths > 0) else {
         let tracks = conclusion.tracks.map(|all| format!(" Run: {}.", count(all, "confirmed track")));
         let frame = conclusion.frame.map_or_else(String::new, of_frame);
-        return counts + &frame + &tracks.unwrap_or_default() + &overconfidence;
+        return counts + &frame + &tracks.unwrap_or_default() + &overconfidence + &stationary;
     };
     let [mota, idf1] = [run.mota, run.idf1].map(ratio);
     let scores = format!(" Run: MOTA {mota}, IDF1 {idf1}, {}.", plural(run.switches, "identity switch", "es"));
@@ -237,7 +238,22 @@ pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) 
             " Most errors are false alarms: raise the minimum number of hits or the score thresholds, or lower the maximum age."
         }
     };
-    counts + &scores + &rates + &worst + &overconfidence + advice
+    counts + &scores + &rates + &worst + &overconfidence + advice + &stationary
+}
+
+/// The tracks that stayed in place in words, or nothing.
+fn stationary(tracks: usize) -> String {
+    match tracks {
+        0 => String::new(),
+        1 => {
+            " 1 track lasted, but stayed in place, and was not confirmed: if it is an object, lower the minimum travel."
+                .into()
+        }
+        _ => format!(
+            " {} tracks lasted, but stayed in place, and were not confirmed: if they are objects, lower the minimum travel.",
+            grouped(tracks)
+        ),
+    }
 }
 
 /// The frames with the most errors in words.

@@ -14,7 +14,7 @@ use crate::methods::kalman::{ConsistencyTest, Filter};
 use crate::params;
 use crate::params::Spots;
 use crate::products::{
-    Followed, Object, ObjectField, ObjectFrame, TrackStatus,
+    Followed, Object, ObjectField, ObjectFrame, TrackStatus, Watched,
     objects::score::{Matches, Scores, scored_boxes, scores_on},
 };
 use crate::run::{Foreground, Granularity, Progress, Span, Stage, need};
@@ -73,6 +73,8 @@ pub struct Conclusion {
     pub hidden: Option<usize>,
     /// The test of the mean NIS of the detections of confirmed tracks, at its end.
     pub consistency: Option<ConsistencyTest>,
+    /// The tracks of the run that were matched often, but stayed in place, so that they were never confirmed, at its end.
+    pub stationary: usize,
 }
 
 impl Conclusion {
@@ -268,7 +270,12 @@ impl TrackerRun {
     }
 
     /// Scores a frame, and at the end of the run all of them.
-    pub fn conclusion(&self, clip: &Clip, frame: &Arc<ObjectFrame>, dynamics: Option<&Dynamics>) -> Conclusion {
+    pub fn conclusion(
+        &self,
+        clip: &Clip,
+        frame: &Arc<ObjectFrame>,
+        (rules, dynamics): (Rules, Option<&Dynamics>),
+    ) -> Conclusion {
         if self.detector.is_clicked() {
             return Conclusion::default();
         }
@@ -294,6 +301,7 @@ impl TrackerRun {
             worst: all.into_iter().filter(|(_, all)| most > 0 && errors(all) == most).collect(),
             hidden: self.hidden(clip),
             consistency: dynamics.and_then(|dynamics| consistency(&field, dynamics)),
+            stationary: stationary(&field, rules),
         }
     }
 
@@ -333,6 +341,7 @@ impl TrackerRun {
             first: self.span.first,
             frames: self.frames.clone(),
             trajectories: Vec::new(),
+            watched: Watched::default(),
         }
     }
 
@@ -340,6 +349,23 @@ impl TrackerRun {
     pub fn live_field(&self) -> ObjectField {
         ObjectField { frames: self.live.clone(), ..self.field() }
     }
+}
+
+/// The matched frames from which on a track is no short-lived flicker.
+const LASTING_FRAMES: usize = 10;
+
+/// Returns the number of tracks that only the minimum travel has kept tentative, although they lasted.
+fn stationary(field: &ObjectField, rules: Rules) -> usize {
+    let mut tentative = BTreeMap::<u32, usize>::new();
+    let mut confirmed = BTreeSet::new();
+    for object in field.frames.iter().flat_map(|frame| &frame.objects) {
+        match object.status {
+            TrackStatus::Tentative => *tentative.entry(object.id).or_default() += 1,
+            _ => drop(confirmed.insert(object.id)),
+        }
+    }
+    let least = LASTING_FRAMES.max(rules.min_hits);
+    tentative.into_iter().filter(|(id, frames)| *frames >= least && !confirmed.contains(id)).count()
 }
 
 /// Returns the test of the mean NIS: the detections of each confirmed track, filtered with the dynamics of the run. Boxes at the border of
@@ -429,5 +455,35 @@ mod tests {
         assert_eq!(run.rewind().len(), 2);
         assert_eq!(statuses(&run), [TrackStatus::Tentative; 3]);
         assert!(run.frames().iter().zip(&settled).all(|(now, then)| Arc::ptr_eq(now, then)), "none was copied");
+    }
+
+    #[test]
+    fn only_tracks_that_last_without_being_confirmed_are_stationary() {
+        let object = |id, status| Object {
+            id,
+            bounds: Bounds::around([9.0; 2], [8.0; 2]),
+            status,
+            position: [9.0; 2],
+            velocity: None,
+            covariance: None,
+            detection: Some(0),
+        };
+        // The first lasts in place, the second is seen briefly, the third travels in the end.
+        let objects = |t: usize| {
+            let third = if t < 14 { TrackStatus::Tentative } else { TrackStatus::Confirmed };
+            let of_frame = [(1, TrackStatus::Tentative), (2, TrackStatus::Tentative), (3, third)];
+            of_frame.into_iter().filter(|(id, _)| *id != 2 || t < 4).map(|(id, status)| object(id, status)).collect()
+        };
+        let frame = |t| Arc::new(ObjectFrame { objects: objects(t), ..ObjectFrame::default() });
+        let field = ObjectField {
+            followed: Followed::All,
+            picture: (64, 48),
+            first: 0,
+            frames: (0..15).map(frame).collect(),
+            trajectories: Vec::new(),
+            watched: Watched::default(),
+        };
+        assert_eq!(stationary(&field, Rules::default()), 1);
+        assert_eq!(stationary(&field, Rules { min_hits: 20, ..Rules::default() }), 0, "more matches would confirm it");
     }
 }

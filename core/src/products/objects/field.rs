@@ -83,6 +83,17 @@ pub struct ObjectField {
     pub frames: Vec<Arc<ObjectFrame>>,
     /// The trajectories of the tracks, where they were analysed.
     pub trajectories: Vec<Arc<Trajectory>>,
+    /// The lines and zones of that analysis.
+    pub watched: Watched,
+}
+
+/// How many lines and zones trajectories are counted at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Watched {
+    /// Counting lines.
+    pub lines: usize,
+    /// Zones of dwell times.
+    pub zones: usize,
 }
 
 impl ObjectFrame {

@@ -9,4 +9,4 @@ mod product;
 pub mod score;
 pub mod trajectory;
 
-pub use field::{Followed, Object, ObjectField, ObjectFrame, TrackStatus};
+pub use field::{Followed, Object, ObjectField, ObjectFrame, TrackStatus, Watched};

@@ -8,7 +8,7 @@ use crate::data::Detection;
 use crate::geometry::Bounds;
 use crate::products::{
     Assessment, Cell, Figure, Followed, Measure, Motion, Object, ObjectField, ObjectFrame, Product, ProductKind,
-    Reference, Table, TrackStatus,
+    Reference, Table, TrackStatus, Watched,
     assessment::{fact, scores},
     objects::{
         score::{self, Matches, Scores},
@@ -65,7 +65,7 @@ impl Product for ObjectField {
     }
 
     fn assess(&self, reference: &Reference<'_>) -> Result<Assessment, Error> {
-        let own = counted(self).and(ways(&self.trajectories));
+        let own = counted(self).and(ways(&self.trajectories, self.watched));
         let scored = score::scores_on(reference.clip, self);
         reference.clip.wanted()?;
         Ok(match scored {
@@ -131,7 +131,7 @@ fn counted(field: &ObjectField) -> Assessment {
 }
 
 /// The counts of lines, zones and anomalous directions, where trajectories were analysed.
-fn ways(all: &[Arc<Trajectory>]) -> Assessment {
+fn ways(all: &[Arc<Trajectory>], Watched { lines, zones }: Watched) -> Assessment {
     if all.is_empty() {
         return Assessment::default();
     }
@@ -144,38 +144,35 @@ fn ways(all: &[Arc<Trajectory>]) -> Assessment {
     let dwell = (!dwells.is_empty()).then(|| dwells.iter().sum::<usize>() as f64 / dwells.len() as f64);
     let unusual = all.iter().filter(is_unusual).count();
     let mut facts = Vec::new();
-    if right + left > 0 {
-        facts.push(fact("Line crossings", crossings(all)));
+    if lines > 0 {
+        facts.push(fact("Line crossings", crossings(all, lines)));
     }
     if let Some(frames) = dwell {
         let objects = if dwells.len() == 1 { "object" } else { "objects" };
         let told = format!("{} {objects}, {frames:.1} frames on average", grouped(dwells.len()));
-        facts.push(fact(if zones(all) > 1 { "Dwell in zones" } else { "Dwell in zone" }, told));
+        facts.push(fact(if zones > 1 { "Dwell in zones" } else { "Dwell in zone" }, told));
     }
     if unusual > 0 {
         facts.push(fact("Anomalous", format!("{} by direction", grouped(unusual))));
     }
-    let values = [right.into(), left.into(), dwells.len().into(), dwell.into(), unusual.into()];
+    // Without a line or a zone there is nothing to be counted at; that is not zero.
+    let of_line = |count: usize| (lines > 0).then_some(count);
+    let inside = (zones > 0).then_some(dwells.len());
+    let values = [of_line(right).into(), of_line(left).into(), inside.into(), dwell.into(), unusual.into()];
     Assessment::default().with(scores(&WAYS, values), facts)
 }
 
-/// The number of zones that were entered, counted from the first one.
-fn zones(all: &[Arc<Trajectory>]) -> usize {
-    all.iter().flat_map(|of| &of.dwells).map(|dwell| dwell.zone + 1).max().unwrap_or(0)
-}
-
 /// The crossings of each line in words; of the only one without its number.
-fn crossings(all: &[Arc<Trajectory>]) -> String {
-    let count = all.iter().flat_map(|of| &of.crossings).map(|crossing| crossing.line + 1).max().unwrap_or(0);
+fn crossings(all: &[Arc<Trajectory>], lines: usize) -> String {
     let of_line = |line: usize| {
         let crossed = |to_right: bool| {
             let of = all.iter().flat_map(|of| &of.crossings);
             grouped(of.filter(|crossing| crossing.line == line && crossing.is_forward == to_right).count())
         };
         let text = format!("{} to the right, {} to the left", crossed(true), crossed(false));
-        if count > 1 { format!("line {}: {text}", line + 1) } else { text }
+        if lines > 1 { format!("line {}: {text}", line + 1) } else { text }
     };
-    (0..count).map(of_line).collect::<Vec<_>>().join("; ")
+    (0..lines).map(of_line).collect::<Vec<_>>().join("; ")
 }
 
 fn tracking(of: Scores) -> Assessment {

@@ -8,10 +8,17 @@ use motionscope_core::{Role, Scene, fixed};
 use crate::ui::model::snapshot::Snapshot;
 use crate::view::moment::Moment;
 
-/// The directions from the reference to a place, in the order of their keys.
-pub const DIRECTIONS: [&str; 5] = ["Upper left", "Upper right", "Lower left", "Lower right", "Same place"];
-/// Distance in px along an axis below which there is no direction along it.
-const ASIDE_PX: f32 = 0.5;
+/// The directions from the reference to a place, in the order of their keys, which lie like this on a number pad.
+pub const DIRECTIONS: [&str; 9] =
+    ["Lower left", "Below", "Lower right", "Left", "Same place", "Right", "Upper left", "Above", "Upper right"];
+/// The signs of [`DIRECTIONS`], for buttons.
+pub const ARROWS: [&str; 9] = ["↙", "↓", "↘", "←", "•", "→", "↖", "↑", "↗"];
+/// The index in [`DIRECTIONS`] of no direction.
+const SAME_PLACE: usize = 4;
+/// Angle in degrees between a direction and the true one up to which it counts as right: between two, both do.
+const ALIKE_DEG: f32 = 30.0;
+/// Distance in px below which two places are the same.
+const SAME_PX: f32 = 0.5;
 /// Most guesses of one question that are kept, and most hands for one answer.
 const MOST: usize = 99;
 const MOST_HANDS: usize = 9999;
@@ -140,15 +147,18 @@ impl Verdict {
     }
 }
 
-/// The indices in [`DIRECTIONS`] of the directions from `from` to `at`: along an axis there are two.
+/// The indices in [`DIRECTIONS`] of the directions from `from` to `at`: one, or two where it lies between them.
 fn directions(from: [f32; 2], at: [f32; 2]) -> Vec<usize> {
     let [x, y] = [0, 1].map(|i| at[i] - from[i]);
-    if x.abs() <= ASIDE_PX && y.abs() <= ASIDE_PX {
-        return vec![DIRECTIONS.len() - 1];
+    if x.abs().max(y.abs()) <= SAME_PX {
+        return vec![SAME_PLACE];
     }
-    let is_along = |of: f32, is_after: bool| of.abs() <= ASIDE_PX || (of > 0.0) == is_after;
-    let corners = [(false, false), (true, false), (false, true), (true, true)];
-    (0..corners.len()).filter(|i| is_along(x, corners[*i].0) && is_along(y, corners[*i].1)).collect()
+    let is_alike = |index: &usize| {
+        // The keys of a number pad go right and up, y goes down.
+        let [u, v] = [(index % 3) as f32 - 1.0, 1.0 - (index / 3) as f32];
+        (u * y - v * x).atan2(u * x + v * y).abs() <= ALIKE_DEG.to_radians()
+    };
+    (0..DIRECTIONS.len()).filter(|index| *index != SAME_PLACE).filter(is_alike).collect()
 }
 
 fn distance(guess: [f32; 2], places: &[[f32; 2]]) -> f64 {
@@ -298,16 +308,19 @@ mod tests {
     }
 
     #[test]
-    fn the_nearest_place_wins_and_quadrants_are_voted_for() {
+    fn the_nearest_place_wins_and_directions_are_voted_for() {
         let answer = Answer::Place { on: Picture::NEXT, at: vec![[10.0, 4.0]], from: Some([8.0, 8.0]) };
         let mut guesses = Guesses::of(&PLACE, &answer);
-        assert_eq!(guesses.hands.len(), 5);
+        assert_eq!(guesses.hands.len(), 9);
         assert!(guesses.point(Focus::on(Picture::NEXT, [20.0, 4.0])) && guesses.point(Focus::current([13.0, 8.0])));
-        assert!(guesses.vote(1, true) && guesses.vote(3, true));
+        assert!(guesses.vote(8, true) && guesses.vote(3, true));
         let verdict = guesses.verdict(&PLACE, &answer);
         assert_eq!((verdict.nearest, verdict.hands), (Some((2, 5.0)), [1, 2]));
-        assert_eq!(verdict.right, ["Upper right"]);
-        assert_eq!(verdict.text(), "(10.0, 4.0). Guess 2 of 2 is nearest, 5.0 px off. 1 of 2 hands for upper right.");
+        assert_eq!(verdict.right, ["Above", "Upper right"]);
+        assert_eq!(
+            verdict.text(),
+            "(10.0, 4.0). Guess 2 of 2 is nearest, 5.0 px off. 1 of 2 hands for above or upper right."
+        );
     }
 
     #[test]
@@ -334,11 +347,18 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_move_has_no_quadrant() {
-        assert_eq!(directions([8.0, 8.0], [8.3, 7.8]), [4]);
-        assert_eq!(directions([8.0, 8.0], [12.0, 8.0]), [1, 3], "along an axis both are right");
-        assert_eq!(directions([8.0, 8.0], [8.0, 3.0]), [0, 1]);
-        assert_eq!(directions([8.0, 8.0], [3.0, 12.0]), [2]);
+    fn a_direction_is_one_of_eight_or_between_two_of_them() {
+        let named = |to| directions([8.0, 8.0], to).into_iter().map(|index| DIRECTIONS[index]).collect::<Vec<_>>();
+        assert_eq!(named([8.3, 7.8]), ["Same place"]);
+        assert_eq!(named([12.0, 8.0]), ["Right"]);
+        assert_eq!(named([8.0, 3.0]), ["Above"]);
+        assert_eq!(named([3.0, 12.0]), ["Lower left"]);
+        assert_eq!(named([3.0, 10.0]), ["Lower left", "Left"]);
+        for turn in 0..360_u16 {
+            let (sin, cos) = f32::from(turn).to_radians().sin_cos();
+            let all = directions([0.0; 2], [9.0 * cos, 9.0 * sin]);
+            assert!((1..=2).contains(&all.len()), "{turn}°: {all:?}");
+        }
     }
 
     #[test]
