@@ -55,12 +55,18 @@ fn a_tracker_asks_for_the_object_of_a_clip_of_ones_own() {
         picture.save(folder.path().join(format!("wave_{t}.png"))).expect("a picture");
     }
     let mut window = Window::with(vec2(1440.0, 900.0), Start { open: Some(folder.path().into()) });
-    for (name, asked) in [("Mean shift", "No region"), ("Template matching", "No template")] {
+    for (name, parameter) in [("Mean shift", "region"), ("Template matching", "template")] {
         let now = window.app().document().estimator().info().name;
         window.click(&format!("Estimator: {now}"));
         window.click(name);
         let message = window.app().message().unwrap_or_default().to_owned();
-        assert!(message.starts_with(asked) && message.contains("choose Place"), "{name}: {message}");
+        assert!(message.starts_with(&format!("No {parameter}")), "{name}: {message}");
+        assert!(placed(&window, parameter).is_none());
+        let [from, to] = [[12.0, 10.0], [34.0, 30.0]].map(|at| on_stage(&window, at));
+        window.drag(from, to);
+        let Placed::Zone(Some(zone)) = placed(&window, parameter) else { panic!("{name}: nothing was dragged") };
+        assert!((zone.min[0] - 12.0).abs() < 1.0 && (zone.max[1] - 30.0).abs() < 1.0, "{name}: {zone:?}");
+        window.key(Key::Escape);
     }
 }
 

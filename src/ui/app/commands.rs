@@ -472,7 +472,8 @@ impl Command {
             C::ResetParameters => now.has_clip && now.is_tuned,
             // In a lesson they turn its pages as well.
             C::IntoBack | C::PreviousUnit if now.in_lesson && !now.at_first_page => true,
-            C::Into | C::NextUnit if now.in_lesson && !now.at_last_page => true,
+            // Behind the last one the next lesson is offered.
+            C::Into | C::NextUnit if now.in_lesson => true,
             C::IntoBack | C::OverBack | C::OutBack | C::PreviousUnit | C::Start => now.has_run && !now.at_start,
             C::PreviousMark | C::PreviousAlike => now.has_run && !now.at_start,
             // They reveal the answer.

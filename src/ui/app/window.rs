@@ -481,8 +481,11 @@ impl App {
 
     fn top_bar(&self, ui: &mut Ui, actions: &mut Actions) {
         let (frame, id) = (self.document.frame(), self.document.estimator().info().id);
-        let shown =
-            self.view.shown.as_deref().filter(|shown| shown.subject.experiment.frame == frame && shown.info.id == id);
+        // In lockstep the run is not that of the estimator alone.
+        let shown = self.view.shown.as_deref().filter(|shown| {
+            let of = &shown.subject.experiment;
+            of.frame == frame && of.estimator.info().id == id
+        });
         let input = topbar::Input {
             document: &self.document,
             at_frame: shown.map(|shown| shown.frame),

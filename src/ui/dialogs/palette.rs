@@ -371,9 +371,9 @@ mod tests {
             ("stripes", "Sample: "),
             ("point cloud", "Chart: Point cloud"),
             ("search window", "Lesson: Sequential search"),
-            ("settings", Command::LargerInterface.info().text),
+            ("settings", Command::NormalInterface.info().text),
             ("preferences", Command::DarkTheme.info().text),
-            ("font", Command::LargerInterface.info().text),
+            ("font", Command::NormalInterface.info().text),
             ("contrast", Command::ProjectorTheme.info().text),
         ] {
             assert!(names(query).iter().any(|found| found.starts_with(text)), "{query}: {:?}", names(query));
@@ -387,7 +387,7 @@ mod tests {
         let shared = examples::examples().find(|example| example.of.len() > 2).expect("one that is shared");
         for estimator in [shared.of[0], shared.of[2]] {
             let all = entries(&Input { now, granularities, estimator, recent: &[], theme: Theme::Dark });
-            let of_it = |entry: &Entry| matches!(entry.action, Action::OpenExample(_, example) if std::ptr::eq(example, shared));
+            let of_it = |entry: &Entry| matches!(entry.action, Action::OpenExample(_, example) if example == shared);
             let listed: Vec<_> = all.iter().filter(|entry| of_it(entry)).map(|entry| entry.also).collect();
             assert_eq!(listed, [estimator]);
         }

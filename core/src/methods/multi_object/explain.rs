@@ -183,7 +183,7 @@ pub(crate) fn series(run: &TrackerRun) -> Option<Readout> {
     ];
     let x_max = run.span.first + run.span.frames().map_or(frames.len(), |frames| frames - 1);
     let series = Series {
-        title: "Detections and tracks",
+        title: "Tracks of finished frames",
         x_label: "frame",
         y_label: "number per frame",
         x_max,

@@ -447,13 +447,14 @@ impl KalmanTracker {
         costs.tracks[row].filter.squared_distance(&measured).unwrap_or(f64::INFINITY)
     }
 
-    /// The cost matrices, with the assignment lit.
+    /// The cost matrices, with the pair of the step lit, or all pairs inside the gate: the assignment comes after them.
     fn tables(&self, costs: &Costs, names: &Names, pair: Option<[usize; 2]>) -> Vec<Matrix> {
         let lit: Vec<(usize, usize)> = match pair {
             Some([row, column]) => vec![(row, column)],
             None => {
-                let pairs = costs.pairs.iter().enumerate();
-                pairs.filter_map(|(row, pair)| pair.map(|pair| (row, pair.column))).collect()
+                let all =
+                    (0..costs.costs.rows()).flat_map(|row| (0..costs.costs.columns()).map(move |column| (row, column)));
+                all.filter(|(row, column)| costs.costs.get(*row, *column).is_some()).collect()
             }
         };
         let cost = |row, column| costs.costs.get(row, column).unwrap_or(f64::INFINITY);
