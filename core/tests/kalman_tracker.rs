@@ -39,6 +39,27 @@ fn rects(scene: &Scene, role: Role) -> Vec<[f32; 2]> {
 }
 
 #[test]
+fn pairs_inside_the_gate_are_lit_before_the_assignment_and_the_assigned_ones_after_it() {
+    let two = |t: usize| [40.0, 52.0].map(|x| found([x + 2.0 * t as f32, 60.0], [30.0, 30.0], 0.9)).to_vec();
+    let mut walk = set("kalman-tracker", &[]).walk(&rows((0..6).map(two).collect()), 0).expect("a run");
+    walk.jump(Move::To(Cursor { unit: 4, event: 0 }));
+    let mut lit = Vec::new();
+    while walk.cursor().unit == 4 && walk.cursor().event < walk.events().max(1) {
+        walk.jump(Move::Granularity(walk.info().granularities.len() - 1, Direction::Forward));
+        let readouts = walk.step(None).readouts;
+        let all = readouts.iter().find_map(|readout| match readout {
+            Readout::Matrices(all) => all.iter().find(|matrix| matrix.symbol == "C"),
+            _ => None,
+        });
+        let Some(Matrix { entries, changed: Some(changed), .. }) = all else { continue };
+        let finite = entries.cells().iter().filter(|cost| cost.is_finite()).count();
+        lit.push((changed.cells().iter().filter(|lit| **lit).count(), finite));
+    }
+    assert_eq!((lit.first(), lit.last()), (Some(&(4, 4)), Some(&(2, 4))), "{lit:?}");
+    assert!(lit.contains(&(1, 4)), "one pair at a time is assigned: {lit:?}");
+}
+
+#[test]
 fn the_end_of_a_frame_shows_the_truth_and_the_errors() {
     let clip = synth::make("traffic", &synth::scene("traffic").expect("a scene").difficulty()).expect("a clip");
     let settings = [("source", "truth"), ("added-noise", "0"), ("frames", "6"), ("backdate", "off")];

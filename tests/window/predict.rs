@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use motionscope::session::lesson::all;
 use motionscope::ui::model::predict::Score;
+use motionscope::ui::panes::HIDDEN;
 use motionscope_core::estimators;
 use motionscope_core::scene::{Asked, Question};
 
@@ -32,14 +33,16 @@ fn said(window: &Window) -> String {
 
 /// The panes that show nothing as long as a question is open.
 fn hidden(window: &Window) -> usize {
-    window.harness.query_all_by_label_contains("Hidden until").count()
+    window.harness.query_all_by_label(HIDDEN).count()
 }
 
 #[test]
 fn a_question_names_the_unit_that_it_is_about() {
     let mut window = asking("full-search", "27.3", "synth:pillar");
-    while question(&window).is_none() {
-        window.key(Key::ArrowRight);
+    for _ in 0..20 {
+        if question(&window).is_none() {
+            window.key(Key::ArrowRight);
+        }
     }
     let text = question(&window).expect("one is open").text;
     assert!(window.harness.query_by_label(&format!("Block 27: {text}")).is_some(), "{text}");
@@ -67,6 +70,35 @@ fn a_result_is_hidden_until_it_is_revealed() {
         assert_eq!((window.cursor(), said(&window)), (plain.cursor(), said(&plain)));
     }
     assert!(asked >= 3, "asked {asked} times");
+}
+
+#[test]
+fn the_picture_is_in_sight_during_a_question_although_a_chart_is_enlarged() {
+    let mut window = asking("full-search", "27.3", "synth:pillar");
+    window.command(Command::EnlargeChart);
+    assert!(!window.has(Region::Stage));
+    for _ in 0..20 {
+        if question(&window).is_none() {
+            window.key(Key::ArrowRight);
+        }
+    }
+    assert!(question(&window).is_some() && window.has(Region::Stage), "what is asked about can be clicked");
+    window.key(Key::ArrowRight);
+    assert!(!window.has(Region::Stage), "the chart is enlarged again");
+}
+
+#[test]
+fn a_lesson_ends_after_an_answer_on_its_last_step() {
+    let lesson = &all()[1];
+    let name = format!("lesson:{}/{}", lesson.slug, lesson.pages.len());
+    let mut window = Window::with(vec2(1280.0, 720.0), Start { open: Some(name.into()) });
+    window.key(Key::Q);
+    for _ in 0..80 {
+        window.key(Key::ArrowRight);
+    }
+    let title = &all()[2].title;
+    let says = |window: &Window| window.harness.query_all_by_label_contains(title).next().is_some();
+    assert!(says(&window), "{title} follows");
 }
 
 #[test]

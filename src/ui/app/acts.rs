@@ -411,13 +411,14 @@ impl App {
         }
     }
 
-    /// Asks for the region of an object where a tracker has taken one in the middle of the frame: it can be dragged at once.
+    /// Asks for the region of an object where a tracker has taken one in the middle of the frame, and takes up the placing tool.
     pub(super) fn ask_for_region(&mut self) {
         let (document, frame) = (&self.document, self.document.frame());
         let opened = document.source().zip(document.clip());
         let Some(spec) = opened.and_then(|opened| unplaced(document.estimator(), opened, frame)) else { return };
         let index = document.estimator().specs().iter().position(|other| other.name == spec.name);
-        self.toasts.hint(format!("{}: drag one on the first frame, or press Esc.", capital(&told_of_unplaced(spec))));
+        self.toasts.hint(format!("{}: drag one on the first frame of the run.", capital(&told_of_unplaced(spec))));
+        self.settings.charts.is_enlarged = false;
         self.place(index);
     }
 

@@ -472,8 +472,8 @@ impl Command {
             C::ResetParameters => now.has_clip && now.is_tuned,
             // In a lesson they turn its pages as well.
             C::IntoBack | C::PreviousUnit if now.in_lesson && !now.at_first_page => true,
-            // Behind the last one the next lesson is offered.
-            C::Into | C::NextUnit if now.in_lesson => true,
+            // At the end of the last one they offer the next lesson.
+            C::Into | C::NextUnit if now.lesson_goes_on => true,
             C::IntoBack | C::OverBack | C::OutBack | C::PreviousUnit | C::Start => now.has_run && !now.at_start,
             C::PreviousMark | C::PreviousAlike => now.has_run && !now.at_start,
             // They reveal the answer.
@@ -637,6 +637,8 @@ pub struct Situation {
     pub at_first_page: bool,
     /// It is open at its last page.
     pub at_last_page: bool,
+    /// Whether → still has something to show in the lesson: a page, the next lesson, or that it ends.
+    pub lesson_goes_on: bool,
     /// A link has led away from a page of a lesson.
     pub has_trail: bool,
     /// The start page is shown.

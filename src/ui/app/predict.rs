@@ -17,6 +17,8 @@ impl App {
             self.player.pause();
             self.walker.focus(None);
             self.states.stage.look_anew();
+            // A click is a guess now.
+            self.states.stage.placing = None;
         }
     }
 

@@ -351,6 +351,7 @@ impl App {
             has_scores: !self.predict.scores().is_empty(),
             in_lesson: self.lesson.is_some(),
             at_first_page: self.lesson.as_ref().is_some_and(|open| open.is_at(Direction::Back)),
+            lesson_goes_on: self.lesson.as_ref().is_some_and(OpenLesson::goes_on),
             at_last_page: self.lesson.as_ref().is_some_and(|open| open.is_at(Direction::Forward)),
             has_trail: self.trail.last().is_some(),
             at_start_page: false,
@@ -472,7 +473,8 @@ impl App {
             charts: self.charts().len(),
             tiles: self.view.shown.as_ref().map_or(0, |shown| shown.tiles.len()),
             is_beside_page: self.lesson.is_some(),
-            is_enlarged: self.settings.charts.is_enlarged,
+            // A chart is hidden during a question, and the pictures may have to be clicked.
+            is_enlarged: self.settings.charts.is_enlarged && self.predict.open().is_none(),
             strip: self.states.strip.height(),
             explanation: self.states.explanation.formula_end(),
             shares: self.settings.shares,
@@ -481,7 +483,7 @@ impl App {
 
     fn top_bar(&self, ui: &mut Ui, actions: &mut Actions) {
         let (frame, id) = (self.document.frame(), self.document.estimator().info().id);
-        // In lockstep the run is not that of the estimator alone.
+        // In lockstep the info of the run names the lockstep, so that of the experiment counts.
         let shown = self.view.shown.as_deref().filter(|shown| {
             let of = &shown.subject.experiment;
             of.frame == frame && of.estimator.info().id == id

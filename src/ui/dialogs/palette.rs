@@ -275,7 +275,8 @@ fn entries(input: &Input) -> Vec<Entry> {
         let id = example.of.iter().find(|id| **id == input.estimator).or(example.of.first()).copied()?;
         let (tip, others) = (name(id)?.to_owned(), example.of.iter().filter_map(|id| name(id)).collect::<Vec<_>>());
         let cause = example.cause.map_or("works", Cause::name);
-        let (about, keys) = (format!("{} {cause} {}", others.join(" "), example.says), String::new());
+        let (about, keys) =
+            (format!("{} {} {cause} {}", others.join(" "), example.of.join(" "), example.says), String::new());
         let action = Action::OpenExample(id, example);
         Some(Entry { icon: Icon::Lightbulb, text, tip, also: id, about, keys, action })
     });

@@ -75,6 +75,11 @@ impl OpenLesson {
         }
     }
 
+    /// Whether a step forward still has something to show: a page, the next lesson, or that the lesson ends.
+    pub fn goes_on(&self) -> bool {
+        !self.is_at(Direction::Forward) || !self.is_over || self.next().is_some()
+    }
+
     /// Goes to the next page that way, if there is one.
     pub fn turn(&mut self, way: Direction) {
         let last = self.lesson.pages.len() - 1;

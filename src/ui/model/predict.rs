@@ -175,6 +175,8 @@ impl Predict {
                     open.look_again();
                 }
                 view.shown = Some(Arc::clone(&open.seen));
+                // A step forward that led nowhere is not waited for.
+                self.is_due &= view.busy;
                 return false;
             }
             let left = Arc::clone(if open.is_revealed { &open.after } else { &open.before });

@@ -13,7 +13,7 @@ use motionscope_core::synth::{SCENES, Sample};
 pub const PICTURE_PX: (usize, usize) = (240, 180);
 /// Pictures of a film per second.
 const RATE: f64 = 10.0;
-/// How often a film is played while a pointer rests on it.
+/// Times that a film plays before it rests.
 const TIMES: usize = 3;
 /// The number of no order.
 const NONE: usize = usize::MAX;
@@ -81,7 +81,7 @@ impl Film {
         self.is_whole = true;
     }
 
-    /// The number of pictures that were due since the first one.
+    /// The number of pictures due since the film began.
     fn due(&self, now: f64) -> usize {
         ((now - self.begun) * RATE + 1e-6) as usize
     }
@@ -92,7 +92,7 @@ impl Film {
         if self.is_whole && !self.is_over(now) { due % count } else { due.min(count - 1) }
     }
 
-    /// Whether it was shown often enough: a pointer that rests on it would keep the window busy.
+    /// Whether the film has played often enough; repainting then stops.
     fn is_over(&self, now: f64) -> bool {
         self.is_whole && self.due(now) >= TIMES * self.pictures.len()
     }

@@ -195,7 +195,7 @@ fn words(
     }
 }
 
-/// What → does at the end of a lesson, in so much width: it never stands beside what would cut it off.
+/// The line that says what → does at the end of the lesson, wrapped to `width`.
 fn laid_out_ending(ui: &Ui, open: &OpenLesson, width: f32) -> Arc<Galley> {
     let text = open.next().map_or_else(|| "End of the lesson".to_owned(), |next| format!("→ again: {}", next.title));
     let font = eframe::egui::FontId::new(TextStyle::Body.resolve(ui.style()).size, style::bold());

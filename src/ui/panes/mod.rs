@@ -595,9 +595,12 @@ fn sentence(error: &Error, clip: Option<&Clip>) -> String {
     text + end
 }
 
-/// What stands in the place of an explanation or a chart while a question is open.
+/// The text of a pane that an open question hides.
+pub const HIDDEN: &str = "Hidden until the result is revealed.";
+
+/// The placeholder of an explanation or a chart while a question is open.
 fn hidden(ui: &mut Ui) {
-    empty(ui, "Hidden until the result is revealed.");
+    empty(ui, HIDDEN);
 }
 
 /// A pane with nothing in it says why.

@@ -125,13 +125,19 @@ fn place(shown: &Snapshot, totals: bool) -> Vec<(&'static str, String)> {
 pub fn nested_place(shown: &Snapshot) -> Option<String> {
     let parts = place(shown, false);
     let is_nested = parts.len() > 1 && shown.cursor != Cursor::default() && !shown.at_end;
-    let parts: Vec<String> = parts.into_iter().filter(|(name, _)| *name != FRAME).map(|(_, words)| words).collect();
-    (is_nested && !parts.is_empty()).then(|| parts.join(", "))
+    Some(without_frames(parts)).filter(|parts| is_nested && !parts.is_empty())
 }
 
-/// The innermost part of the run that a step belongs to: `block 3`; none where that is a frame, which is named by its number in the clip.
+/// The parts of the run that a step belongs to, in short: `level 1, block 15`; none where these are frames, which are named by their
+/// number in the clip.
 pub fn unit(shown: &Snapshot) -> Option<String> {
-    place(shown, false).pop().filter(|(name, _)| *name != FRAME).map(|(_, words)| words)
+    let parts = without_frames(place(shown, false));
+    (!parts.is_empty()).then_some(parts)
+}
+
+fn without_frames(parts: Vec<(&'static str, String)>) -> String {
+    let parts = parts.into_iter().filter(|(name, _)| *name != FRAME).map(|(_, words)| words);
+    parts.collect::<Vec<_>>().join(", ")
 }
 
 /// Which pixel is explained, and how another one is.

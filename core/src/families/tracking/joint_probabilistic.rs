@@ -41,8 +41,8 @@ params! {
         chances: Chances = Chances::default();
         /// Maximum number of joint events of a cluster of tracks, the most probable ones.
         max_events: usize = 500, 1..=5000;
-        /// Track management. Boxes of coasted frames are not interpolated by default: after a gap, the mean of several detections may
-        /// belong to another object.
+        /// Track management. Coasted boxes are not interpolated by default: after a gap the weighted mean of several detections may
+        /// lie on another object.
         rules: Rules = Rules { interpolate: false, ..Rules::default() };
     }
 }

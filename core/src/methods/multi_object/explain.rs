@@ -183,7 +183,7 @@ pub(crate) fn series(run: &TrackerRun) -> Option<Readout> {
     ];
     let x_max = run.span.first + run.span.frames().map_or(frames.len(), |frames| frames - 1);
     let series = Series {
-        title: "Tracks of finished frames",
+        title: "Detections and tracks of finished frames",
         x_label: "frame",
         y_label: "number per frame",
         x_max,
@@ -241,19 +241,16 @@ pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) 
     counts + &scores + &rates + &worst + &overconfidence + advice + &stationary
 }
 
-/// The tracks that stayed in place in words, or nothing.
+/// The tracks that the minimum travel has kept tentative in words, or nothing.
 fn stationary(tracks: usize) -> String {
-    match tracks {
-        0 => String::new(),
-        1 => {
-            " 1 track lasted, but stayed in place, and was not confirmed: if it is an object, lower the minimum travel."
-                .into()
-        }
-        _ => format!(
-            " {} tracks lasted, but stayed in place, and were not confirmed: if they are objects, lower the minimum travel.",
-            grouped(tracks)
-        ),
+    if tracks == 0 {
+        return String::new();
     }
+    let was = if tracks == 1 { "was" } else { "were" };
+    format!(
+        " {} lasted, but {was} not confirmed: the net displacement stayed below the minimum travel or half of the path. With a minimum travel of 0 all tracks that last are confirmed.",
+        count(tracks, "tentative track")
+    )
 }
 
 /// The frames with the most errors in words.

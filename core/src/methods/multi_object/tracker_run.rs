@@ -73,7 +73,7 @@ pub struct Conclusion {
     pub hidden: Option<usize>,
     /// The test of the mean NIS of the detections of confirmed tracks, at its end.
     pub consistency: Option<ConsistencyTest>,
-    /// The tracks of the run that were matched often, but stayed in place, so that they were never confirmed, at its end.
+    /// The tracks of the run that lasted, but were never confirmed because of their small net displacement, at its end.
     pub stationary: usize,
 }
 
@@ -351,7 +351,7 @@ impl TrackerRun {
     }
 }
 
-/// The matched frames from which on a track is no short-lived flicker.
+/// Matched frames from which a tentative track counts as lasting.
 const LASTING_FRAMES: usize = 10;
 
 /// Returns the number of tracks that only the minimum travel has kept tentative, although they lasted.

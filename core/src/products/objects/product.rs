@@ -132,7 +132,7 @@ fn counted(field: &ObjectField) -> Assessment {
 
 /// The counts of lines, zones and anomalous directions, where trajectories were analysed.
 fn ways(all: &[Arc<Trajectory>], Watched { lines, zones }: Watched) -> Assessment {
-    if all.is_empty() {
+    if all.is_empty() && lines + zones == 0 {
         return Assessment::default();
     }
     let crossed = |to_right: bool| {
@@ -155,7 +155,7 @@ fn ways(all: &[Arc<Trajectory>], Watched { lines, zones }: Watched) -> Assessmen
     if unusual > 0 {
         facts.push(fact("Anomalous", format!("{} by direction", grouped(unusual))));
     }
-    // Without a line or a zone there is nothing to be counted at; that is not zero.
+    // Without a line or a zone the counts are undefined, not 0.
     let of_line = |count: usize| (lines > 0).then_some(count);
     let inside = (zones > 0).then_some(dwells.len());
     let values = [of_line(right).into(), of_line(left).into(), inside.into(), dwell.into(), unusual.into()];

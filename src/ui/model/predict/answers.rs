@@ -15,9 +15,9 @@ pub const DIRECTIONS: [&str; 9] =
 pub const ARROWS: [&str; 9] = ["↙", "↓", "↘", "←", "•", "→", "↖", "↑", "↗"];
 /// The index in [`DIRECTIONS`] of no direction.
 const SAME_PLACE: usize = 4;
-/// Angle in degrees between a direction and the true one up to which it counts as right: between two, both do.
+/// Directions within this angle in degrees of the true one are right, so between two both are.
 const ALIKE_DEG: f32 = 30.0;
-/// Distance in px below which two places are the same.
+/// Distance in px along each axis up to which two places count as the same.
 const SAME_PX: f32 = 0.5;
 /// Most guesses of one question that are kept, and most hands for one answer.
 const MOST: usize = 99;

@@ -335,7 +335,7 @@ impl KalmanTracker {
         if let Some((costs, pair)) = costs_of(seen) {
             let names = Names::new(costs.tracks.iter().map(|track| track.id.to_string()), 0..costs.detections.len());
             facts.extend(names.shown());
-            tables = self.tables(costs, &names, pair);
+            tables = self.tables(costs, &names, &lit(seen, costs));
             equation = self.equation(costs, pair);
         }
         if let Some(Event::Updated(both, measurement)) = seen.events.last() {
@@ -447,30 +447,22 @@ impl KalmanTracker {
         costs.tracks[row].filter.squared_distance(&measured).unwrap_or(f64::INFINITY)
     }
 
-    /// The cost matrices, with the pair of the step lit, or all pairs inside the gate: the assignment comes after them.
-    fn tables(&self, costs: &Costs, names: &Names, pair: Option<[usize; 2]>) -> Vec<Matrix> {
-        let lit: Vec<(usize, usize)> = match pair {
-            Some([row, column]) => vec![(row, column)],
-            None => {
-                let all =
-                    (0..costs.costs.rows()).flat_map(|row| (0..costs.costs.columns()).map(move |column| (row, column)));
-                all.filter(|(row, column)| costs.costs.get(*row, *column).is_some()).collect()
-            }
-        };
+    /// The cost matrices, with the pairs in `lit` lit.
+    fn tables(&self, costs: &Costs, names: &Names, lit: &[(usize, usize)]) -> Vec<Matrix> {
         let cost = |row, column| costs.costs.get(row, column).unwrap_or(f64::INFINITY);
         // The Mahalanobis distance is its own cost.
         let decimals = if self.cost == PairCost::Mahalanobis { SQUARED_DECIMALS } else { RATIO_DECIMALS };
         let in_decimals = |table: Matrix| table.with_decimals(decimals);
         let mut all =
-            vec![names.table(("C", "cost matrix: tracks (rows), detections (columns)"), cost, &lit).map(in_decimals)];
+            vec![names.table(("C", "cost matrix: tracks (rows), detections (columns)"), cost, lit).map(in_decimals)];
         if self.cost != PairCost::Overlap {
             let distance = |row, column| self.distance(costs, row, column);
-            let table = names.table(("d²", "squared Mahalanobis distance"), distance, &lit);
+            let table = names.table(("d²", "squared Mahalanobis distance"), distance, lit);
             all.push(table.map(|table| table.with_decimals(SQUARED_DECIMALS)));
         }
         if self.cost != PairCost::Mahalanobis {
             let overlap = |row, column| costs.overlap(row, column);
-            let table = names.table(("IoU", "intersection over union"), overlap, &lit);
+            let table = names.table(("IoU", "intersection over union"), overlap, lit);
             all.push(table.map(|table| table.with_decimals(RATIO_DECIMALS)));
         }
         all.into_iter().flatten().collect()
@@ -574,6 +566,22 @@ fn costs_of<'a>(seen: &Seen<'a, MultiTracking<KalmanTracker>>) -> Option<(&'a Co
     };
     let costs = seen.events.iter().find_map(|event| if let Event::Costs(costs) = event { Some(costs) } else { None });
     costs.map(|costs| (&**costs, pair))
+}
+
+/// The pairs of track and detection that a step is about: those inside the gate, the assigned one, or after the assignment all of it.
+fn lit(seen: &Seen<MultiTracking<KalmanTracker>>, costs: &Costs) -> Vec<(usize, usize)> {
+    match seen.events.last() {
+        Some(Event::Costs(_)) => {
+            let row = |row| (0..costs.costs.columns()).map(move |column| (row, column));
+            let all = (0..costs.costs.rows()).flat_map(row);
+            all.filter(|(row, column)| costs.costs.get(*row, *column).is_some()).collect()
+        }
+        Some(Event::Assigned(_, [row, column])) => vec![(*row, *column)],
+        _ => {
+            let pairs = costs.pairs.iter().enumerate();
+            pairs.filter_map(|(row, pair)| pair.map(|pair| (row, pair.column))).collect()
+        }
+    }
 }
 
 /// Draws a track's box, 95 % ellipse and number.
