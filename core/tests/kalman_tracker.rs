@@ -42,10 +42,9 @@ fn rects(scene: &Scene, role: Role) -> Vec<[f32; 2]> {
 fn pairs_inside_the_gate_are_lit_before_the_assignment_and_the_assigned_ones_after_it() {
     let two = |t: usize| [40.0, 52.0].map(|x| found([x + 2.0 * t as f32, 60.0], [30.0, 30.0], 0.9)).to_vec();
     let mut walk = set("kalman-tracker", &[]).walk(&rows((0..6).map(two).collect()), 0).expect("a run");
-    walk.jump(Move::To(Cursor { unit: 4, event: 0 }));
     let mut lit = Vec::new();
-    while walk.cursor().unit == 4 && walk.cursor().event < walk.events().max(1) {
-        walk.jump(Move::Granularity(walk.info().granularities.len() - 1, Direction::Forward));
+    for event in 1..12 {
+        walk.jump(Move::To(Cursor { unit: 4, event }));
         let readouts = walk.step(None).readouts;
         let all = readouts.iter().find_map(|readout| match readout {
             Readout::Matrices(all) => all.iter().find(|matrix| matrix.symbol == "C"),
