@@ -17,6 +17,7 @@ use egui_kittest::wgpu::WgpuTestRenderer;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ImageEncoder as _, Rgb, RgbImage};
 use motionscope::paint::{Caption, Figure, FigureOptions, Pictures, Theme, View, export_png};
+use motionscope::session::lesson::{self, Address};
 use motionscope::ui::app::App;
 use motionscope::ui::app::commands::Command;
 use motionscope::ui::{self, Start};
@@ -31,9 +32,17 @@ const TILE: u32 = 32;
 /// How many pixels of a tile may be further off.
 const MOST_FAR: usize = 5;
 
-/// Sizes and themes in which `SCREENSHOTS=FOLDER cargo test --workspace --test screenshots` draws every estimator.
-const WINDOWS: [([f32; 2], Theme); 3] =
-    [([1280.0, 720.0], Theme::Projector), ([1920.0, 1080.0], Theme::Light), ([1920.0, 1080.0], Theme::Dark)];
+/// Windows in which `SCREENSHOTS=FOLDER cargo test --workspace --test screenshots` draws every estimator, and of the first every page
+/// of the lessons.
+const WINDOWS: [(&str, [f32; 2], Theme, &[Command]); 7] = [
+    ("projector-720", [1280.0, 720.0], Theme::Projector, &[]),
+    ("dark-720", [1280.0, 720.0], Theme::Dark, &[]),
+    ("present-720", [1280.0, 720.0], Theme::Projector, &[Command::Present]),
+    ("projector-768", [1024.0, 768.0], Theme::Projector, &[]),
+    ("light-1080", [1920.0, 1080.0], Theme::Light, &[]),
+    ("projector-1080", [1920.0, 1080.0], Theme::Projector, &[]),
+    ("dark-390", [844.0, 390.0], Theme::Dark, &[]),
+];
 
 /// What is on a picture.
 struct Scene {
@@ -215,9 +224,15 @@ fn one_wrong_digit_is_seen() {
     }
 }
 
-/// Draws every estimator in the middle of a unit of its run, and at the end, in every window.
-fn every_estimator(folder: &Path) {
+/// Draws every estimator in the middle of a unit of its run, and at the end, in every window, and every page of the lessons; of them
+/// those whose names contain `ONLY`.
+fn everything(folder: &Path) {
     fs::create_dir_all(folder).expect("the folder can be made");
+    let only = std::env::var("ONLY").unwrap_or_default();
+    let is_wanted = |name: &str| only.split(' ').all(|part| name.contains(part));
+    let draw = |name: String, scene: &Scene| {
+        fs::write(folder.join(name), encode(&picture(scene, WgpuTestRenderer::new()))).expect("it can be written");
+    };
     let sessions = tempfile::tempdir().expect("a folder");
     for estimator in estimators() {
         let id = estimator.info().id;
@@ -227,19 +242,29 @@ fn every_estimator(folder: &Path) {
             _ if has_objects => "synth:traffic",
             _ => "synth:pillar",
         };
-        for (place, step) in [("middle", "3.9"), ("end", "end")] {
+        for (place, step) in [("middle", "3.9"), ("end", "0.0")] {
             let path = sessions.path().join(format!("{id}-{place}.motionscope"));
-            let step = if step == "end" { "0.0" } else { step };
             let text = format!("motionscope = 1\nclip = \"{clip}\"\nestimator = \"{id}\"\nstep = \"{step}\"\n");
             fs::write(&path, text).expect("a session can be written");
-            let commands: &'static [Command] = if place == "end" { &[Command::End] } else { &[] };
-            for (size, theme) in WINDOWS {
-                // They live as long as the test, as those that are stored do.
-                let open: &'static str = String::leak(path.display().to_string());
-                let scene = Scene { size: size.into(), theme, ..Scene::new(id, open, commands) };
-                let file = format!("{id}-{place}-{}-{}.png", theme.id(), size[1]);
-                let picture = picture(&scene, WgpuTestRenderer::new());
-                fs::write(folder.join(file), encode(&picture)).expect("the picture can be written");
+            // They live as long as the test, as those that are stored do.
+            let open: &'static str = String::leak(path.display().to_string());
+            for (window, size, theme, commands) in WINDOWS {
+                let name = format!("{window}-{id}-{place}.png");
+                if is_wanted(&name) {
+                    let commands: Vec<Command> =
+                        commands.iter().copied().chain((place == "end").then_some(Command::End)).collect();
+                    draw(name, &Scene { size: size.into(), theme, ..Scene::new(id, open, Vec::leak(commands)) });
+                }
+            }
+        }
+    }
+    for of in lesson::all() {
+        let address = Address::from(of);
+        for page in 0..of.pages.len() {
+            let open = Address { page, ..address.clone() }.name().to_string_lossy().into_owned();
+            let name = format!("{}.png", open.replace([':', '/'], "-"));
+            if is_wanted(&name) {
+                draw(name, &Scene::new("lesson", String::leak(open), &[]));
             }
         }
     }
@@ -248,7 +273,7 @@ fn every_estimator(folder: &Path) {
 #[test]
 fn the_window_looks_as_it_did() {
     if let Some(folder) = std::env::var_os("SCREENSHOTS") {
-        return every_estimator(Path::new(&folder));
+        return everything(Path::new(&folder));
     }
     let update = std::env::var_os("UPDATE_SCREENSHOTS").is_some();
     let required = update || std::env::var_os("REQUIRE_SCREENSHOTS").is_some();

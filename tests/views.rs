@@ -19,6 +19,7 @@ use motionscope::ui::drawing::primitives::shapes;
 use motionscope::ui::drawing::style;
 use motionscope::ui::panes::explanation;
 use motionscope::ui::panes::glossary::Beside;
+use motionscope::ui::panes::layout::Panes;
 use motionscope::ui::stage::{self, Zoom};
 use motionscope::view::look::{Look, RunState};
 use motionscope::view::motion::AvailableLayers;
@@ -69,7 +70,7 @@ impl Fixture {
         let beside = Beside::new(&self.scene, self.walk.info().family, theme);
         let (info, step) = (self.walk.info(), &self.step);
         let input = explanation::Input { info, step, before: None, beside: &beside, at_end: false, theme };
-        explanation::show(ui, (input, true), state);
+        explanation::show(ui, input, state);
     }
 
     fn stage(&self) -> stage::Input<'_> {
@@ -89,6 +90,8 @@ impl Fixture {
             animate: false,
             flows: false,
             presenting: stage::Presenting::default(),
+            panes: &NOWHERE,
+            is_search: false,
         }
     }
 
@@ -117,6 +120,18 @@ impl Fixture {
         });
         surface.expect("full search has a surface")
     }
+}
+
+/// Before the stage is laid out.
+static NOWHERE: Panes = Panes::Alike(Vec::new());
+
+/// Shows the stage in the whole of `ui`.
+fn show_stage(ui: &mut Ui, input: stage::Input<'_>, state: &mut stage::State) -> stage::Response {
+    let stage::Input { pictures, look, stands, .. } = input;
+    let line = stage::line_height(look.theme, Some(ui.spacing().interact_size.y));
+    let pictures = stage::pictures(stage::OnStage { pictures, look, stands, tiles: 0 }, look.theme, line);
+    let panes = Panes::Alike(pictures.split(ui.max_rect()));
+    stage::show(ui, stage::Input { panes: &panes, ..input }, state)
 }
 
 /// What is laid out anew in each frame.
@@ -229,7 +244,7 @@ fn a_click_on_the_stage_tells_the_pixel_and_pointing_reads_it() {
     let mut state = stage::State::default();
     let (clicked, hovered) = (Cell::new(None), Cell::new(None));
     let mut harness = harness(vec2(900.0, 500.0), Theme::Dark, |ui| {
-        let response = stage::show(ui, fixture.stage(), &mut state);
+        let response = show_stage(ui, fixture.stage(), &mut state);
         clicked.set(response.clicked.or(clicked.get()));
         hovered.set(response.hovered);
     });
@@ -260,7 +275,7 @@ fn the_wheel_zooms_about_the_pointer_and_a_double_click_keeps_the_place() {
     let mut state = stage::State::default();
     let (zoom, hovered) = (Cell::new(Zoom::Fit), Cell::new(None));
     let mut harness = harness(vec2(900.0, 500.0), Theme::Dark, |ui| {
-        hovered.set(stage::show(ui, fixture.stage(), &mut state).hovered);
+        hovered.set(show_stage(ui, fixture.stage(), &mut state).hovered);
         zoom.set(state.zoom);
     });
     let at = harness.get_by_label("Stage: Frame t = 12").rect().center() + vec2(57.0, -31.0);
@@ -290,17 +305,19 @@ fn the_wheel_zooms_about_the_pointer_and_a_double_click_keeps_the_place() {
 }
 
 #[test]
-fn every_view_of_the_pair_is_one_click_away() {
+fn every_view_of_the_pair_is_in_the_list() {
     let fixture = fixture(MIDDLE);
     let mut state = stage::State::default();
     let look = Cell::new(Look::of_window());
     let view = || look.get().view.unwrap_or_default();
     let mut harness = harness(vec2(1000.0, 500.0), Theme::Dark, |ui| {
-        let response = stage::show(ui, stage::Input { look: look.get(), ..fixture.stage() }, &mut state);
+        let response = show_stage(ui, stage::Input { look: look.get(), ..fixture.stage() }, &mut state);
         look.set(response.look);
     });
     for wanted in View::ALL {
         let before = view();
+        harness.get_by_role_and_label(Node::ComboBox, "Pictures").click();
+        harness.run_steps(3);
         harness.get_by_role_and_label(Node::Button, wanted.name()).click();
         // A blinking stage is never at rest.
         harness.run_steps(3);
@@ -316,7 +333,7 @@ fn an_idle_stage_asks_for_no_repaint() {
     let fixture = fixture(MIDDLE);
     let mut state = stage::State::default();
     let mut harness = harness(vec2(900.0, 500.0), Theme::Dark, |ui| {
-        stage::show(ui, stage::Input { animate: true, ..fixture.stage() }, &mut state);
+        show_stage(ui, stage::Input { animate: true, ..fixture.stage() }, &mut state);
     });
     assert!(harness.try_run().is_ok(), "it comes to rest");
     harness.step();
@@ -540,7 +557,7 @@ fn marks_lie_in_their_picture_whatever_its_size() {
         for size in [vec2(500.0, 700.0), vec2(900.0, 500.0), vec2(1900.0, 1000.0)] {
             let mut state = stage::State::default();
             let harness = harness(size, theme, |ui| {
-                stage::show(
+                show_stage(
                     ui,
                     stage::Input { look: Look { theme, ..Look::of_window() }, ..fixture.stage() },
                     &mut state,
@@ -554,7 +571,10 @@ fn marks_lie_in_their_picture_whatever_its_size() {
                 // A block of 16 px of a picture of 64×48 that fits, and its line outside.
                 let zoom = (pane.size() / vec2(64.0, 48.0)).min_elem();
                 let side = frame.height() - theme.ink(role).width;
-                assert!(pane.contains_rect(*frame) && (14.0..16.5).contains(&(side / zoom)), "{frame:?} in {pane:?}");
+                assert!(
+                    pane.expand(1.0).contains_rect(*frame) && (14.0..16.5).contains(&(side / zoom)),
+                    "{frame:?} in {pane:?}"
+                );
             }
         }
     }
@@ -592,7 +612,7 @@ impl All {
                 });
             };
             part(ui, &mut |ui| {
-                stage::show(
+                show_stage(
                     ui,
                     stage::Input { look: Look { theme, ..Look::of_window() }, ..fixture.stage() },
                     &mut self.stage,

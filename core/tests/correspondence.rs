@@ -3,7 +3,7 @@
 mod common;
 
 use common::set;
-use motionscope_core::products::{EpipolarField, keypoints::Descriptor};
+use motionscope_core::products::{EpipolarField, Reference, keypoints::Descriptor};
 use motionscope_core::scene::{Math, Readout};
 use motionscope_core::{
     Clip, Direction, Frame, Grid, MatchField, MatchStatus, ModelField, Move, Output, PointField, Threads, synth,
@@ -429,6 +429,44 @@ fn a_plane_does_not_determine_the_epipolar_geometry_and_that_is_said() {
     };
     let found = ["spin-zoom", "translation", "sub-pixel", "parallax", "pillar"].map(is_plane);
     assert_eq!(found, [true, true, true, false, false]);
+}
+
+#[test]
+fn a_plane_is_claimed_only_where_nearly_all_matches_follow_the_homography() {
+    let told = last_sentence("epipolar-geometry", &[], &scene("translation"));
+    assert!(told.contains("So the scene is a plane, or the camera only rotated."), "{told}");
+    let told = last_sentence("epipolar-geometry", &[], &scene("turntable"));
+    assert!(told.contains("cannot be told") && !told.contains("So the scene is a plane"), "{told}");
+    let told = last_sentence("global-motion", &[], &scene("turntable"));
+    assert!(told.contains("Registration makes the difference larger, so the model does not hold"), "{told}");
+}
+
+#[test]
+fn the_inliers_that_f_rests_on_are_those_that_the_homography_leaves() {
+    let told = last_sentence("epipolar-geometry", &[], &scene("parallax"));
+    let (_, counts) = told.split_once("Of the ").expect(&told);
+    let numbers = common::numbers(counts);
+    assert_eq!(numbers[0] - numbers[1], numbers[2], "{told}");
+    assert!(numbers[3] <= numbers[2], "{told}");
+    let [doubt, pose] = ["F rests on", "pose of the camera"].map(|words| told.find(words).expect(&told));
+    assert!(doubt < pose && told.contains("as uncertain as F"), "{told}");
+}
+
+#[test]
+fn without_matches_shares_and_predictions_are_undefined() {
+    let flat = still(Frame::gray(Grid::new(64, 48, 90)));
+    for (id, share) in [("global-motion", "inlier_share"), ("epipolar-geometry", "epipolar_inlier_share")] {
+        let assessed = run(id, &[], &flat).assess(&Reference { clip: &flat, frame: 0 }).expect("an assessment");
+        let value =
+            |key: &str| assessed.scores.iter().find(|score| score.measure.key == key).map(|score| score.value.real());
+        assert_eq!(value(share), Some(None), "{id}");
+        let fact = |label: &str| assessed.facts.iter().find(|fact| fact.label == label).map(|fact| fact.value.as_str());
+        assert_eq!(fact("Inliers"), Some("undefined: there are no matches"), "{id}");
+        if id == "global-motion" {
+            assert_eq!([value("psnr_db"), value("residual_bits")], [Some(None); 2]);
+            assert_eq!(fact("Prediction"), Some("undefined: no motion was estimated"));
+        }
+    }
 }
 
 #[test]

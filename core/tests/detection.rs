@@ -605,6 +605,22 @@ fn an_update_tells_its_numbers_and_a_ghost_is_called_a_ghost() {
     assert!(told("median", 7).contains("Run against the ground truth"), "{}", told("median", 7));
 }
 
+#[test]
+fn false_alarms_of_a_moving_camera_are_no_matter_of_a_threshold() {
+    let end = |id: &str| {
+        let sample = synth::scene(id).expect("it is bundled");
+        let mut walk =
+            set("frame-difference", &[]).walk(&sample.clip(&sample.difficulty()).expect("a clip"), 0).expect("a run");
+        walk.jump(Move::End);
+        walk.step(None).sentence.plain()
+    };
+    let moving = end("hand-held");
+    assert!(moving.contains("the camera moves") && moving.contains("motion-compensated difference"), "{moving}");
+    assert!(!moving.contains("a higher threshold"), "{moving}");
+    let still = end("traffic");
+    assert!(still.contains("a higher threshold") && !still.contains("the camera moves"), "{still}");
+}
+
 /// So many frames has [`Broken`].
 const FRAMES: usize = 12;
 

@@ -357,3 +357,23 @@ fn a_wrong_vector_is_explained_by_the_truth() {
     assert!(leaving.ends_with("the block leaves the picture: it is no candidate."), "{leaving}");
     assert!(!leaving.contains("larger range") && truth.is_none(), "{leaving}");
 }
+
+#[test]
+fn between_pixels_no_global_minimum_is_claimed() {
+    let sample = synth::scene("sub-pixel").expect("it is bundled");
+    let clip = sample.clip(&sample.difficulty()).expect("a clip");
+    let ends = |subpixel: &str| -> Vec<String> {
+        let settings = [("subpixel", subpixel)];
+        (40..46)
+            .flat_map(|unit| sentences(&clip, &settings, unit, "Block"))
+            .filter(|told| told.contains("motion vector"))
+            .collect()
+    };
+    let (whole, half) = (ends("none"), ends("half"));
+    assert!(whole.iter().any(|told| told.contains("It is the global minimum of the search window.")), "{whole:#?}");
+    assert!(
+        half.iter().any(|told| told.contains("Between pixels only positions around that minimum were tested.")),
+        "{half:#?}"
+    );
+    assert!(half.iter().all(|told| !told.contains("It is the global minimum")), "{half:#?}");
+}

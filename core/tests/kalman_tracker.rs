@@ -501,3 +501,30 @@ fn filters_that_assume_too_little_noise_show_in_the_mean_nis_of_detections_from_
         assert!(!right.contains("Mean NIS"), "{id}: {right}");
     }
 }
+
+#[test]
+fn scores_with_hindsight_have_those_in_real_time_beside_them() {
+    let sample = synth::scene("traffic").expect("it is bundled");
+    let clip = sample.clip(&sample.difficulty()).expect("a clip");
+    for id in ["kalman-tracker", "joint-probabilistic", "multiple-hypothesis"] {
+        let end = |settings: &[(&str, &str)]| {
+            let estimator = set(id, settings);
+            let mut walk = estimator.walk(&clip, 0).expect("a run");
+            walk.jump(Move::End);
+            let output = estimator.run(&clip, 0, &Threads::single()).expect("a run");
+            let field = output.get::<ObjectField>().expect("objects");
+            (walk.step(None).sentence.plain(), scores_on(&clip, field).expect("readable").expect("scores"))
+        };
+        let (later, backward) = end(&[("interpolate", "on"), ("backdate", "on")]);
+        assert!(later.contains(&format!("Run with hindsight: MOTA {:.3}", backward.mota)), "{id}: {later}");
+        assert!(later.contains("In real time, without hindsight: MOTA "), "{id}: {later}");
+        assert!(!later.contains("coasting tracks do not count"), "{id}: {later}");
+        if id != "multiple-hypothesis" {
+            let (causal, forward) = end(&[("interpolate", "off"), ("backdate", "off")]);
+            let live = format!(" Run: MOTA {:.3}", forward.mota);
+            assert!(causal.contains(&live) && !causal.contains("hindsight"), "{id}: {causal}");
+            let same = format!("without hindsight: MOTA {:.3}", forward.mota);
+            assert!(later.contains(&same), "{id}: {later}");
+        }
+    }
+}

@@ -594,6 +594,18 @@ fn the_end_of_a_run_says_what_became_of_the_region() {
 }
 
 #[test]
+fn an_object_that_stays_hidden_is_the_cause_of_the_end() {
+    let clip = scene("hand-held");
+    for id in ["mean-shift", "camshift", "particle-filter", "correlation-filter", "template-tracker"] {
+        let end = conclusion(&*set(id, &[]), &clip);
+        assert!(end.contains("disappears from frame 17 on and is wholly hidden from frame 23 on"), "{id}: {end}");
+        for blame in ["attract it too", "of another pose", "places have colours", "has the hues of the model"] {
+            assert!(!end.contains(blame), "{id}: {end}");
+        }
+    }
+}
+
+#[test]
 fn without_true_boxes_no_success_is_claimed() {
     let still = Clip::from_frames("still", vec![disc([30.0, 24.0], 1); 4]).expect("frames of one size");
     for id in ALL {

@@ -344,3 +344,23 @@ fn a_border_at_rest_does_not_pass_for_the_motion_of_the_picture() {
     let is_right = found.is_none_or(|found| [found[0][2], found[1][2]] == motion.map(|c| c as f64));
     assert!(is_right, "the border at rest passes for the picture: {found:?}");
 }
+
+#[test]
+fn a_distinct_peak_does_not_claim_the_part_of_the_picture_that_moves_otherwise() {
+    let bundled = |id: &str| synth::make(id, &synth::scene(id).expect("bundled").difficulty()).expect("a clip");
+    // Without the truth the residual tells.
+    let without_truth = |clip: &Clip| {
+        let frames = (0..2).map(|t| (*clip.frame(t).expect("a frame")).clone()).collect();
+        Clip::from_frames("without truth", frames).expect("frames of one size")
+    };
+    let bus = bundled("passing-bus");
+    let said = told(&bus);
+    assert!(said.contains("only a part of the picture: by the ground truth "), "{said}");
+    let said = told(&without_truth(&bus));
+    assert!(said.contains("only a part of the picture: ") && said.contains("8×8 blocks"), "{said}");
+    let marble = bundled("translation");
+    for clip in [without_truth(&marble), marble] {
+        let said = told(&clip);
+        assert!(said.ends_with("stands out, so one translation explains the motion."), "{said}");
+    }
+}

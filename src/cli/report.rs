@@ -11,8 +11,8 @@ use serde::{Serialize, Serializer};
 use serde_json::Map;
 
 use super::list::value;
-use crate::experiment::Prepared;
 use crate::experiment::pixel::Pixel;
+use crate::experiment::{Prepared, TakenRegion};
 use crate::view::motion::Check;
 
 /// One run in numbers.
@@ -34,6 +34,9 @@ pub struct Report {
     metrics: Assessment,
     #[serde(skip_serializing_if = "Option::is_none")]
     model: Option<ModelReport>,
+    /// The region that was taken where none was placed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    start: Option<TakenRegion>,
     #[serde(skip_serializing_if = "Option::is_none")]
     consistency: Option<Checked>,
     /// The scores of the causal variant, without later frames.
@@ -132,7 +135,7 @@ impl From<Figure> for Value {
         match figure {
             Figure::Count(count) => Self::Count(count),
             Figure::Real(value) => Self::Real(value),
-            Figure::None => Self::None,
+            Figure::None | Figure::Undefined => Self::None,
         }
     }
 }
@@ -262,6 +265,7 @@ impl Report {
             truth_files: clip.truth().map(|truth| truth.names()).unwrap_or_default(),
             metrics,
             model: ModelReport::of(output),
+            start: TakenRegion::of(&*experiment.estimator, output),
             consistency: check.map(Checked::of),
             live,
             conclusion,
@@ -272,7 +276,7 @@ impl Report {
     /// Returns the report as text.
     pub fn text(&self) -> String {
         let Self { clip, estimator, params, frame, last_frame, units, events, threads, ms, .. } = self;
-        let Self { truth_files, metrics, consistency, live, conclusion, pixel, .. } = self;
+        let Self { truth_files, metrics, start, consistency, live, conclusion, pixel, .. } = self;
         let params: Vec<_> = params.iter().map(|(name, value)| format!("{name}={}", bare(value))).collect();
         let mut text = format!("{estimator} on {clip}, frame {frame} to {last_frame}\n");
         text += &format!("parameters  {}\n", params.join(" "));
@@ -280,6 +284,9 @@ impl Report {
         text += &format!("time        {:.3} ms (median), {:.3} ms (minimum), threads: {threads}\n", ms.median, ms.min);
         if !truth_files.is_empty() {
             text += &format!("truth       {}\n", truth_files.join(", "));
+        }
+        if let Some(start) = start {
+            text += &format!("region      {}\n", start.text());
         }
         let width = metrics.facts.iter().map(|fact| fact.label.chars().count()).max().unwrap_or(0).max(10);
         for Fact { label, value, .. } in &metrics.facts {

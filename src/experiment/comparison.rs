@@ -4,7 +4,7 @@ use std::borrow::Borrow;
 use std::time::{Duration, Instant};
 
 use motionscope_core::compare::Figures;
-use motionscope_core::products::{self, Assessment, KINDS, Measure, Reference};
+use motionscope_core::products::{self, Assessment, Figure, KINDS, Measure, Reference};
 use motionscope_core::{AnyEstimator, Clip, Error, FRAMES, Threads, Value, detection, estimator, fixed, grouped};
 use serde_json::{Map, json};
 
@@ -177,7 +177,9 @@ impl Column {
         match (self.value(row), self.from) {
             (Some(value), _) if self.digits == 0 && value >= 0.0 => grouped(value.round() as usize),
             (Some(value), _) => fixed(value, self.digits),
-            (None, From::Assessment(measure, _)) if row.assessment.score(measure).is_some() => {
+            (None, From::Assessment(measure, _))
+                if row.assessment.score(measure).is_some_and(|score| score.value == Figure::None) =>
+            {
                 match measure.otherwise {
                     "" => NOTHING.to_owned(),
                     word => word.to_owned(),

@@ -14,7 +14,8 @@ use std::sync::Arc;
 
 use motionscope_core::params::{Figure, Kind, Spec};
 use motionscope_core::products::{Assessment, Reference};
-use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Output, Walk, estimators};
+use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Output, RegionField, Walk, estimators, fixed};
+use serde::Serialize;
 
 use crate::media::export::Inputs;
 use crate::media::{Given, Open};
@@ -154,10 +155,51 @@ pub fn repeated_note(t: usize) -> String {
 pub fn unplaced(estimator: &dyn AnyEstimator, (source, clip): (&Source, &Clip), frame: usize) -> Option<&'static Spec> {
     let has_object =
         || clip.truth().is_some_and(|truth| matches!(truth.objects(frame), Ok(Some(objects)) if !objects.is_empty()));
+    let spec = zone_at_default(estimator)?;
+    (!matches!(source, Source::Synth { .. }) && !clip.is_blank() && !has_object()).then_some(spec)
+}
+
+/// The rectangle that a run of the estimator begins with, where none is placed.
+fn zone_at_default(estimator: &dyn AnyEstimator) -> Option<&'static Spec> {
     let is_at_default = |spec: &&Spec| estimator.get(&spec.name).is_ok_and(|value| value == spec.default);
     let spec = estimator.specs().iter().find(|spec| matches!(spec.kind, Kind::Placed(Figure::Zone)))?;
-    let is_asked = is_at_default(&spec) && estimator.why_idle(&spec.name).is_none();
-    (is_asked && !matches!(source, Source::Synth { .. }) && !clip.is_blank() && !has_object()).then_some(spec)
+    (is_at_default(&spec) && estimator.why_idle(&spec.name).is_none()).then_some(spec)
+}
+
+/// The region of the first frame of a run for which none was placed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct TakenRegion {
+    /// The first frame.
+    frame: usize,
+    /// Left and upper edge in px, and the size; the edge of the first pixel lies at −0.5 px.
+    x: f32,
+    y: f32,
+    width: f32,
+    height: f32,
+    /// The true object whose box it is; null in the middle of the frame.
+    object: Option<u32>,
+}
+
+impl TakenRegion {
+    /// That of a run of `estimator` with its `output`; none where a region is placed, or none is tracked.
+    pub fn of(estimator: &dyn AnyEstimator, output: &Output) -> Option<Self> {
+        zone_at_default(estimator)?;
+        let field: &RegionField = output.get()?;
+        let bounds = field.frames.first()?.region.bounds();
+        let ([x, y], [width, height]) = (bounds.min, bounds.size());
+        Some(Self { frame: field.first, x, y, width, height, object: field.object })
+    }
+
+    /// One line: the box and why it was taken.
+    pub fn text(&self) -> String {
+        let Self { frame, object, .. } = self;
+        let [x, y, width, height] = [self.x, self.y, self.width, self.height].map(|c| fixed(c.into(), 1));
+        let why = match object {
+            Some(id) => format!("around true object {id}"),
+            None => "near the middle of the frame".to_owned(),
+        };
+        format!("x {x}, y {y}, {width}×{height} px in frame {frame}, {why}: none was placed")
+    }
 }
 
 /// The rectangle that is taken where `spec` is not placed, as a clause.
@@ -180,5 +222,27 @@ impl Prepared {
         let clip = experiment.source.open(&options)?;
         let inputs = Arc::new(experiment.source.inputs(&clip, &options));
         Ok(Self { experiment, clip, inputs })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motionscope_core::{Threads, estimator, synth};
+
+    use super::*;
+
+    #[test]
+    fn the_region_that_is_taken_is_told_where_none_is_placed() {
+        let sample = synth::scene("traffic").expect("it is bundled");
+        let clip = sample.clip(&sample.difficulty()).expect("a clip");
+        let taken = |id: &str, settings: &[(&str, &str)]| {
+            let mut estimator = estimator(id).expect("it is there");
+            settings.iter().for_each(|(name, value)| estimator.set(name, value).expect("in range"));
+            TakenRegion::of(&*estimator, &estimator.run(&clip, 0, &Threads::single()).expect("a run"))
+        };
+        let told = taken("mean-shift", &[("frames", "2")]).expect("none is placed").text();
+        assert!(told.starts_with("x ") && told.contains("around true object "), "{told}");
+        assert_eq!(taken("mean-shift", &[("frames", "2"), ("region", "20,120,60,150")]), None);
+        assert_eq!(taken("kalman-tracker", &[("frames", "2")]), None);
     }
 }

@@ -256,7 +256,9 @@ fn a_session_reopens_exactly() {
     window.key(Key::ArrowRight);
     window.key(Key::Num5);
     window.key(Key::Plus);
+    window.click("More of the stage");
     window.click("Legend");
+    window.key(Key::Escape);
     for command in [Command::TurboColors, Command::FourfoldArrows] {
         window.command(command);
     }

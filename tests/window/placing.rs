@@ -11,7 +11,7 @@ fn on_stage(window: &Window, [x, y]: [f32; 2]) -> Pos2 {
     let pair = &window.shown().pictures.pair[0];
     let (width, height) = pair.size();
     let rect = window.harness.get_by_label_contains("Stage: Frame t").rect();
-    let scale = (rect.size() * 0.97 / vec2(width as f32, height as f32)).min_elem();
+    let scale = (rect.size() / vec2(width as f32, height as f32)).min_elem();
     let middle = vec2((width as f32 - 1.0) / 2.0, (height as f32 - 1.0) / 2.0);
     rect.center() + (vec2(x, y) - middle) * scale
 }

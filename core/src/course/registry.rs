@@ -1,5 +1,6 @@
 //! The registry of all estimators, in the order of the course.
 
+use super::glossary::GLOSSARY;
 use crate::base::{Error, words};
 use crate::families::{
     block_matching::{
@@ -30,7 +31,7 @@ use crate::methods::{
     features::Corners, geometric::robust::Robust, multi_object::MultiTracking, region::RegionTracking,
     segmentation::SegmentationRun, subtraction::Subtraction, variational::Variational,
 };
-use crate::run::{AnyEstimator, Course, Entries, Entry};
+use crate::run::{AnyEstimator, Course, Entries, Entry, Info};
 
 impl Entries for Course {
     const ENTRIES: &'static [Entry] = &[
@@ -116,6 +117,35 @@ pub fn estimators() -> Vec<Box<dyn AnyEstimator>> {
 pub fn estimator(id: &str) -> Result<Box<dyn AnyEstimator>, Error> {
     Course::entry(id).map(|entry| (entry.make)()).or_else(|unknown| {
         let named = estimators().into_iter().find(|estimator| words::is_name(id, estimator.info().name));
-        named.ok_or(unknown)
+        named.ok_or_else(|| match known_as(id) {
+            Some(own) => Error::new(format!("there is no estimator {id}; the glossary has it as {own}")),
+            None => unknown,
+        })
     })
+}
+
+/// The id of the estimator that the glossary knows by the name `typed`, if there is one.
+fn known_as(typed: &str) -> Option<&'static str> {
+    let term = GLOSSARY.iter().find(|term| term.spellings().any(|spelling| words::is_name(typed, spelling)))?;
+    let is_meant = |info: &Info| {
+        term.spellings().any(|spelling| [info.id, info.name].iter().any(|name| words::is_name(spelling, name)))
+    };
+    estimators().iter().map(|estimator| estimator.info()).find(|info| is_meant(info)).map(|info| info.id)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_of_the_glossary_leads_to_its_estimator() {
+        let message = |id: &str| estimator(id).err().map(|error| error.to_string()).unwrap_or_default();
+        for id in ["mosse", "MOSSE", "kcf"] {
+            assert!(message(id).ends_with("the glossary has it as correlation-filter"), "{}", message(id));
+        }
+        // A term that is no estimator, a misspelling and a word without a meaning.
+        assert!(message("aperture problem").contains("there are "), "{}", message("aperture problem"));
+        assert!(message("no-search").contains("the nearest is log-search"), "{}", message("no-search"));
+        assert!(message("magic").contains("there are "), "{}", message("magic"));
+    }
 }

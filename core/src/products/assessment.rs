@@ -91,6 +91,8 @@ pub enum Figure {
     Real(f64),
     /// No number: the case that [`Measure::otherwise`] names, or unknown.
     None,
+    /// No number: there is nothing to measure.
+    Undefined,
 }
 
 impl Figure {
@@ -99,7 +101,7 @@ impl Figure {
         match self {
             Figure::Count(count) => Some(count as f64),
             Figure::Real(value) => Some(value).filter(|value| value.is_finite()),
-            Figure::None => None,
+            Figure::None | Figure::Undefined => None,
         }
     }
 }

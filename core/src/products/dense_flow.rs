@@ -53,8 +53,12 @@ impl Product for DenseField {
 
     fn assess(&self, reference: &Reference<'_>) -> Result<Assessment, Error> {
         let next = &reference.clip.pair_or_last(reference.frame)?[1];
-        let picture = predict(&self.flow, next.luma(), SAMPLING);
-        Ok(prediction::assess(&picture, None, reference)?.and(flow_error::of_field(&self.flow, reference)))
+        let is_known = self.flow.0.cells().iter().any(|uv| uv.iter().all(|c| c.is_finite()));
+        let predicted = match is_known {
+            true => prediction::assess(&predict(&self.flow, next.luma(), SAMPLING), None, reference)?,
+            false => prediction::undefined(),
+        };
+        Ok(predicted.and(flow_error::of_field(&self.flow, reference)))
     }
 
     fn flow(&self) -> Option<Flow> {

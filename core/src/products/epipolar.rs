@@ -90,19 +90,17 @@ impl Product for EpipolarField {
     }
 
     fn assess(&self, _: &Reference<'_>) -> Result<Assessment, Error> {
-        let Support { inliers, matches } = self.support;
-        let share = inliers as f64 / matches.max(1) as f64;
+        let inliers = self.support.inliers;
         let values = [
             inliers.into(),
-            Figure::from(share),
+            Figure::from(self.support.share()),
             self.residual_px.into(),
             self.planar.map(|planar| planar.share).into(),
         ];
-        let share = format!("{} of {} matches, {:.1} %", grouped(inliers), grouped(matches), 100.0 * share);
-        let mut facts = vec![fact("Inliers", share.clone())];
+        let mut facts = vec![fact("Inliers", self.support.text())];
         facts.extend(self.residual_px.map(|residual| fact("Sampson distance (RMS)", format!("{residual:.3} px"))));
         facts.extend(self.planar.map(|Planar { share, is_plane }| {
-            let plane = if is_plane { ", so F is not determined" } else { "" };
+            let plane = if is_plane { " of the inliers; F is not determined" } else { " of the inliers" };
             fact("Explained by a homography", format!("{:.0} %{plane}", 100.0 * share))
         }));
         facts.extend(self.pose.iter().flat_map(|pose| {

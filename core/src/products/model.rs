@@ -142,6 +142,23 @@ pub struct Support {
     pub matches: usize,
 }
 
+impl Support {
+    /// The share of the matches that agree; undefined without any.
+    pub fn share(self) -> Option<f64> {
+        (self.matches > 0).then(|| self.inliers as f64 / self.matches as f64)
+    }
+
+    /// Both numbers and the share in words.
+    pub fn text(self) -> String {
+        match self.share() {
+            Some(share) => {
+                format!("{} of {} matches, {:.1} %", grouped(self.inliers), grouped(self.matches), 100.0 * share)
+            }
+            None => "undefined: there are no matches".into(),
+        }
+    }
+}
+
 impl ModelField {
     /// The displacement of every pixel; unknown beyond the horizon of a homography, and everywhere without an estimate.
     pub fn displacements_of_pixels(&self) -> Flow {
@@ -191,7 +208,7 @@ impl Product for ModelField {
     fn assess(&self, reference: &Reference<'_>) -> Result<Assessment, Error> {
         let next = &reference.clip.pair_or_last(reference.frame)?[1];
         let flow = self.displacements_of_pixels();
-        let share = self.support.map(|of| of.inliers as f64 / of.matches.max(1) as f64);
+        let share = self.support.and_then(Support::share);
         let values = [
             Figure::from(self.support.map(|of| of.inliers)),
             share.into(),
@@ -199,13 +216,13 @@ impl Product for ModelField {
             self.iterations.into(),
         ];
         let mut facts = Vec::new();
-        facts.extend(self.support.map(|Support { inliers, matches }| {
-            let share = 100.0 * inliers as f64 / matches.max(1) as f64;
-            fact("Inliers", format!("{} of {} matches, {share:.1} %", grouped(inliers), grouped(matches)))
-        }));
+        facts.extend(self.support.map(|support| fact("Inliers", support.text())));
         facts.extend(self.residual_px.map(|residual| fact("Residual (RMS)", format!("{residual:.3} px"))));
-        let picture = predict(&flow, next.luma(), SAMPLING);
-        let compared = prediction::assess(&picture, None, reference)?.and(flow_error::of_field(&flow, reference));
+        let predicted = match self.matrix {
+            Some(_) => prediction::assess(&predict(&flow, next.luma(), SAMPLING), None, reference)?,
+            None => prediction::undefined(),
+        };
+        let compared = predicted.and(flow_error::of_field(&flow, reference));
         Ok(compared.with(scores(&MEASURES, values), facts))
     }
 

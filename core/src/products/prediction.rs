@@ -80,3 +80,9 @@ pub(super) fn assess(
     let facts = vec![fact("Prediction", quality), fact(sent, coding)];
     Ok(Assessment { headline, ..Assessment::default() }.with(scores(&MEASURES, values), facts))
 }
+
+/// The quality of a prediction where no motion was estimated: zero displacements would be those of no estimator.
+pub(super) fn undefined() -> Assessment {
+    let facts = vec![fact("Prediction", "undefined: no motion was estimated")];
+    Assessment::default().with(scores(&MEASURES, [Figure::Undefined; 4]), facts)
+}

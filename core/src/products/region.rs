@@ -7,7 +7,10 @@ use super::{
     Assessment, Cell, Figure, Followed, Measure, Motion, Object, ObjectField, ObjectFrame, Product, ProductKind,
     Reference, Table, TrackStatus, Watched,
 };
-use crate::base::{Error, words::grouped};
+use crate::base::{
+    Error,
+    words::{counted, grouped},
+};
 use crate::data::Clip;
 use crate::geometry::Bounds;
 
@@ -73,6 +76,17 @@ pub struct RegionField {
     pub frames: Vec<RegionFrame>,
 }
 
+/// How much of a true object can be seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sight {
+    /// This share of it, above 0.
+    Seen(f32),
+    /// Nothing: it has a box, but is hidden.
+    Hidden,
+    /// The truth has no box of it.
+    Absent,
+}
+
 /// The comparison of a region with the true box in one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RegionError {
@@ -102,6 +116,8 @@ impl RegionError {
 pub struct RegionScores {
     /// Number of frames with a true box that is not hidden, without the first.
     pub frames: usize,
+    /// Number of those in which the object is not reported as lost.
+    pub held: usize,
     /// Mean overlap.
     pub overlap: f64,
     /// Area under the success curve.
@@ -171,6 +187,21 @@ impl RegionField {
         Ok(visible.zip(self.frames.get(index)).map(|(object, frame)| error(t, frame, object.into())))
     }
 
+    /// How much of the object can be seen in frame `index` of the run, if the truth says so.
+    ///
+    /// # Errors
+    /// If the truth is there but cannot be read.
+    pub fn sight(&self, clip: &Clip, index: usize) -> Result<Option<Sight>, Error> {
+        let Some((truth, id)) = clip.truth().zip(self.object) else { return Ok(None) };
+        clip.wanted()?;
+        let Some(objects) = truth.objects(self.first + index)? else { return Ok(None) };
+        Ok(Some(match objects.iter().find(|object| object.id == id) {
+            Some(object) if object.visibility > 0.0 => Sight::Seen(object.visibility),
+            Some(_) => Sight::Hidden,
+            None => Sight::Absent,
+        }))
+    }
+
     /// The region as a track of one object, with the same boxes in each frame.
     pub fn objects(&self) -> ObjectField {
         let object = |frame: &RegionFrame| Object {
@@ -233,6 +264,7 @@ impl RegionScores {
         let fell = |(before, now): &(f64, f64)| *before > 0.0 && *now == 0.0;
         Some(Self {
             frames: errors.len(),
+            held: held.len(),
             overlap: mean(&RegionError::scored_overlap),
             success: curve.iter().map(|[_, share]| share).sum::<f64>() / curve.len() as f64,
             precision: mean(&|error| f64::from(u8::from(!error.is_lost && error.center_px <= NEAR_PX))),
@@ -313,17 +345,27 @@ impl Product for RegionField {
 }
 
 fn told(of: RegionScores) -> Assessment {
-    let RegionScores { frames, overlap, success, precision, center_px, failures } = of;
+    let RegionScores { frames, held, overlap, success, precision, center_px, failures } = of;
     let values =
         [overlap.into(), success.into(), precision.into(), center_px.into(), failures.into(), Figure::from(frames)];
+    // A loss that is reported counts as an overlap of 0 and as imprecise, but has no centre.
+    let over = format!("over {}", counted(frames, "frame"));
+    let lost = match frames - held {
+        0 => over.clone(),
+        lost => format!("{over}, 0 in {} reported as lost", grouped(lost)),
+    };
+    let center = match held {
+        0 => "undefined: all frames are reported as lost".into(),
+        _ if held < frames => {
+            format!("{center_px:.2} px over {}, without those reported as lost", counted(held, "frame"))
+        }
+        _ => format!("{center_px:.2} px {over}"),
+    };
     let facts = vec![
-        fact("Mean overlap (IoU)", format!("{overlap:.3} over {} frames", grouped(frames))),
-        fact("Success (area under the curve)", format!("{success:.3}")),
-        fact("Precision at 20 px", format!("{precision:.3}")),
-        fact(
-            "Mean centre error",
-            if center_px.is_finite() { format!("{center_px:.2} px") } else { "undefined".into() },
-        ),
+        fact("Mean overlap (IoU)", format!("{overlap:.3} {lost}")),
+        fact("Success (area under the curve)", format!("{success:.3} {lost}")),
+        fact("Precision at 20 px", format!("{precision:.3} {lost}")),
+        fact("Mean centre error", center),
         fact("Failures", grouped(failures)),
     ];
     let headline = format!("mean overlap {overlap:.3}, success {success:.3}, precision {precision:.3} at 20 px");
@@ -348,6 +390,9 @@ mod tests {
         let errors = [error(1, &found(box_at(0.0)), box_at(0.0)), error(2, &lost, box_at(0.0))];
         let of = RegionScores::of(&errors).expect("frames");
         assert_eq!((of.overlap, of.precision, of.center_px, of.failures), (0.5, 0.5, 0.0, 0));
+        let facts = told(of).facts;
+        assert!(facts[1].value.ends_with("over 2 frames, 0 in 1 reported as lost"), "{facts:?}");
+        assert!(facts[3].value.ends_with("over 1 frame, without those reported as lost"), "{facts:?}");
         assert!(RegionScores::of(&errors[1..]).is_some_and(|of| of.center_px.is_nan() && of.overlap == 0.0));
     }
 

@@ -20,7 +20,8 @@ pub fn draw(canvas: &mut Canvas, (series, columns): (&Series, usize), (area, y):
     let dim = Type::dim(theme);
     let rows = series.sections.len().div_ceil(columns);
     let gap = GAP * dim.size;
-    let size = [(0, columns), (1, rows)].map(|(i, count)| (area.size()[i] + gap) / count.max(1) as f32 - gap);
+    let size =
+        [(0, columns), (1, rows)].map(|(i, count)| ((area.size()[i] + gap) / count.max(1) as f32 - gap).max(1.0));
     for (i, section) in series.sections.iter().enumerate() {
         let place = [i % columns, i / columns];
         let min = [0, 1].map(|axis| area.min[axis] + place[axis] as f32 * (size[axis] + gap));
@@ -84,8 +85,10 @@ impl Cell {
     /// The numbers at the axis of values: its upper end, and 0.
     fn scale(&self, canvas: &mut Canvas, dim: Type) {
         let values = [0.0, self.y.values[1]];
-        for (value, words) in values.into_iter().zip(labels(&values)) {
-            let half = dim.size / 2.0;
+        // Of two that would lie over each other, the upper one.
+        let fewest = usize::from(self.rect.size()[1] < 2.4 * dim.size);
+        for (value, words) in values.into_iter().zip(labels(&values)).skip(fewest) {
+            let half = (dim.size / 2.0).min(self.rect.size()[1] / 2.0);
             let at = self.y.place(value).clamp(self.rect.min[1] + half, self.rect.max[1] - half);
             canvas.text([self.rect.min[0] - 6.0, at], (Anchor::End, Level::Middle), &words, dim);
         }

@@ -162,9 +162,9 @@ impl Density {
         Self { leading: 1.35, row: 2.5, math: theme.sizes().body, words: theme.sizes().heading + 2.0 }
     }
 
-    /// In a strip of a few lines.
-    pub fn strip(theme: Theme) -> Self {
-        Self { leading: 1.3, words: theme.sizes().body, ..Self::close(theme) }
+    /// For a class, in type of `type_pt` points.
+    pub fn strip(type_pt: f32, theme: Theme) -> Self {
+        Self { leading: 1.25, words: type_pt, math: type_pt, ..Self::close(theme) }
     }
 }
 

@@ -66,6 +66,10 @@ pub fn head(data: HeatMap<'_>, map: &Map, area: Rect, pointed: Option<[i32; 2]>,
         canvas.fill(swatch, neutral(theme));
         right = swatch.min[0] - small;
     }
+    // Where words share rows, the end of the colour scale stands beside the name of the map.
+    if map.is_tight() {
+        right = right.min(map.rect.max[0] + 1.5 * small);
+    }
     // As far as the name of the map has room.
     let dim = Type::dim(theme);
     for (words, role) in signs(data.surface) {

@@ -31,7 +31,7 @@ const TYPE_SHARES: [f32; 11] = [1.2, 1.1, 1.0, 0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 
 /// The last of them.
 const SMALLEST: f32 = TYPE_SHARES[TYPE_SHARES.len() - 1];
 /// The least size in points in which a class reads numbers; the usual type of a desk is smaller anyway.
-const READ_PT: f32 = 14.0;
+const READ_PT: f32 = 18.0;
 /// Room for the bar of an area that is scrolled, in points.
 const BAR_PT: f32 = 14.0;
 /// Those that are tried first in a large area, as that of a chart that takes the place of the stage.

@@ -410,7 +410,8 @@ fn names(canvas: &mut Canvas, square: &Square, area: Rect, (plane, style): (&Pla
     let Rect { min: [left, top], max: [right, bottom] } = square.rect;
     let is_below = square.has_names_below;
     let mut at = if is_below { [left, bottom + 3.2 * small] } else { [right + small, top] };
-    let is_short = is_below || is_short(plane.points.len(), square.rect.size()[1], small);
+    let is_short =
+        is_below || is_short(plane.points.len() + usize::from(plane.ellipse.is_some()), square.rect.size()[1], small);
     for ((name, role, uv), own) in plane.points.iter().zip(own_colors(plane)) {
         if square.displacement(square.at(*uv)).is_some() {
             canvas.extend(point((*role, own), theme, square.at(*uv)));

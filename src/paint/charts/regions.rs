@@ -116,6 +116,9 @@ impl Labels {
     /// Takes the first of the places at which a name of `size`, moved into the area, lies on no other; returns its centre.
     fn place(&mut self, size: [f32; 2], centers: &[Point]) -> Option<Point> {
         let Rect { min, max } = self.area;
+        if (0..2).any(|i| size[i] + 4.0 > max[i] - min[i]) {
+            return None;
+        }
         let inside =
             |at: &Point| [0, 1].map(|i| at[i].max(min[i] + 2.0 + size[i] / 2.0).min(max[i] - 2.0 - size[i] / 2.0));
         let rect = |at: &Point| Rect::new([0, 1].map(|i| at[i] - size[i] / 2.0), size);

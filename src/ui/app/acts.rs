@@ -197,6 +197,7 @@ impl App {
                 self.arrange(command)
             }
             C::EnlargeChart | C::NextChart | C::PreviousChart => self.arrange(command),
+            C::NextPicture => self.states.stage.next_picture(),
             C::FullScreen => {
                 let now = self.ctx.input(|i| i.viewport().fullscreen.unwrap_or(false));
                 self.ctx.send_viewport_cmd(ViewportCommand::Fullscreen(!now));
@@ -375,7 +376,7 @@ impl App {
     fn lecture(&mut self) {
         self.settings.lecture = !self.settings.lecture;
         let is_projector = self.settings.look.theme == Theme::Projector;
-        if self.settings.lecture && self.settings.mode == Some(layout::Mode::Lecture) {
+        if self.settings.lecture && self.settings.mode.is_some_and(layout::Mode::is_lecture) {
             let why = if is_projector { "The projector theme" } else { "A window of this size" };
             self.toasts.hint(format!("{why} has the lecture layout already."));
         }
@@ -383,8 +384,8 @@ impl App {
 
     fn turn_charts(&mut self, is_back: bool) {
         let all = self.charts();
-        let count = self.regions().iter().filter(|(region, _)| *region == super::Region::Chart).count();
-        self.settings.charts.turn(&all, count.max(1), is_back);
+        let (alternate, count) = self.arranged;
+        self.settings.charts.turn(&all, count.max(1), (is_back, alternate));
     }
 
     pub(super) fn choose(&mut self, id: &str) {

@@ -9,7 +9,7 @@ use motionscope_core::{Cursor, Direction, Move};
 use crate::session::lesson::{Address, page_text};
 use crate::ui::app::action::Actions;
 use crate::ui::app::commands::Command;
-use crate::ui::app::window::{App, Overlay, Region};
+use crate::ui::app::window::{App, Overlay};
 use crate::ui::model::lesson::OpenLesson;
 use crate::ui::model::paper::OfPage;
 use crate::ui::model::snapshot::Snapshot;
@@ -111,6 +111,7 @@ impl App {
         // The offer of the next lesson ends with whatever else is done.
         open.is_over &= matches!(command, Command::Into | Command::NextUnit);
         let open = &*open;
+        let is_over = open.is_over;
         let (way, is_step) = match command {
             Command::Into => (Direction::Forward, true),
             Command::IntoBack => (Direction::Back, true),
@@ -131,9 +132,16 @@ impl App {
                 return false;
             };
             let is_through = open.is_through(shown.cursor, way) || way == Direction::Forward && shown.at_end;
+            // Words are read to their end before the first step is taken, and again from there on the way back.
+            let is_read = way == Direction::Forward || is_through;
+            if is_read && !is_over && self.states.lesson.read(way) {
+                return true;
+            }
             if !is_through {
                 return false;
             }
+        } else if is_step && self.states.lesson.read(way) {
+            return true;
         }
         match open.is_at(way) {
             true if way == Direction::Forward => {
@@ -256,17 +264,10 @@ impl App {
         }
     }
 
-    /// Shows the page of the lesson beside what is left for the other panes.
-    pub(super) fn lesson_beside(
-        &mut self,
-        ui: &mut Ui,
-        actions: &mut Actions,
-        regions: &mut Vec<(Region, Rect)>,
-    ) -> Rect {
-        let all = ui.max_rect();
-        let Some(open) = &mut self.lesson else { return all };
+    /// Shows the page of the lesson in its place.
+    pub(super) fn lesson_page(&mut self, ui: &mut Ui, page: Rect, actions: &mut Actions) {
+        let Some(open) = &mut self.lesson else { return };
         let theme = self.settings.look.theme;
-        let [page, rest] = lesson::split(all, theme.sizes().body);
         let back = self.trail.last().map(|left| left.title.as_str());
         let shown = self.view.shown.clone();
         let scene = shown.as_ref().map(|shown| Arc::clone(&shown.scene)).unwrap_or_default();
@@ -275,7 +276,5 @@ impl App {
         self.states.lesson.has_notes_elsewhere = self.presentation.presenter.is_some();
         lesson::show(ui, page, input, &mut self.states.lesson, actions);
         self.states.stage.point_out(beside.pointed());
-        regions.push((Region::Lesson, page));
-        rest
     }
 }

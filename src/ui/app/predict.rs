@@ -1,14 +1,18 @@
 //! Predict, then reveal: what commands, keys and clicks do while a question is open.
 
-use eframe::egui::{Frame, Margin, Panel, Rect, Ui};
+use eframe::egui::{Rect, Ui, UiBuilder, vec2};
 use motionscope_core::Move;
 use motionscope_core::scene::Focus;
 
 use crate::ui::app::action::Actions;
 use crate::ui::app::commands::{Command, Menu};
-use crate::ui::app::window::{App, Region};
+use crate::ui::app::window::App;
 use crate::ui::drawing::style;
+use crate::ui::panes::layout::Asking;
 use crate::ui::panes::question;
+
+/// Above and below a question, in points.
+const MARGIN: f32 = 6.0;
 
 impl App {
     /// Puts an open question between the run and the window.
@@ -22,18 +26,23 @@ impl App {
         }
     }
 
-    /// Shows the bar of questions, while they are on.
-    pub(super) fn question_bar(&mut self, ui: &mut Ui, actions: &mut Actions, regions: &mut Vec<(Region, Rect)>) {
-        if !self.predict.is_on() {
-            return;
-        }
+    /// The pane of questions, while they are on.
+    pub(super) fn asking(&self) -> Option<Asking> {
+        let is_open = self.predict.open().is_some();
+        // The page of a lesson says itself that it asks.
+        let is_told = self.lesson.is_some() && self.predict.last().is_none();
+        let is_there = self.predict.is_on() && !is_told;
+        is_there.then(|| Asking { height: self.question.needed() + 2.0 * MARGIN, is_open })
+    }
+
+    /// Shows the question in its place.
+    pub(super) fn question_pane(&mut self, ui: &mut Ui, rect: Rect, actions: &mut Actions) {
         let theme = self.settings.look.theme;
         let is_lockstep = !self.document.side_by_side().is_empty();
         let input = question::Input { predict: &self.predict, is_lockstep, theme };
-        let frame = Frame::new().fill(style::color(theme.chrome().raised)).inner_margin(Margin::symmetric(12, 6));
-        let asked = Panel::bottom("question").frame(frame);
-        let asked = asked.show(ui, |ui| question::show(ui, &input, &mut self.question, actions));
-        regions.push((Region::Question, asked.response.rect));
+        ui.painter().rect_filled(rect, 0.0, style::color(theme.chrome().raised));
+        let inside = UiBuilder::new().id_salt("question").max_rect(rect.shrink2(vec2(12.0, MARGIN)));
+        question::show(&mut ui.new_child(inside), &input, &mut self.question, actions);
     }
 
     /// Turns the questions on or off. A question that is open is taken back: the run stands on the step that answers it already.

@@ -29,10 +29,11 @@ use crate::ui::model::settings::Settings;
 use crate::ui::model::trail::Trail;
 use crate::ui::model::walker::{View, Walker};
 use crate::ui::model::writer::Writing;
-use crate::ui::panes::layout::{self, Arrangement, Folded, Mode, Room};
+use crate::ui::panes::layout::{self, Folded, LessonPage, Mode, Pictures, Room};
 use crate::ui::panes::{Panes, States};
 use crate::ui::panes::{question, start, status, topbar, transport};
 use crate::ui::parts::toasts::Toasts;
+use crate::ui::stage;
 use crate::view::panes::{Pane, charts};
 
 /// The key under which is stored how the panes are looked at.
@@ -77,7 +78,7 @@ pub enum Region {
     Header,
     /// The pictures with what stands around them.
     Stage,
-    /// The pictures.
+    /// A picture.
     Pictures,
     /// A chart.
     Chart,
@@ -144,6 +145,10 @@ pub struct App {
     approached: Option<Cursor>,
     /// Where everything lay in the last frame.
     regions: Vec<(Region, egui::Rect)>,
+    /// Whether formula and chart share one place, and how many charts are seen.
+    pub(super) arranged: (bool, usize),
+    /// Whether one of several pictures is larger than the others.
+    has_large_picture: bool,
     pub(super) ctx: egui::Context,
 }
 
@@ -190,6 +195,8 @@ impl App {
             played: 0.0,
             approached: None,
             regions: Vec::new(),
+            arranged: (false, 0),
+            has_large_picture: false,
             ctx: ctx.clone(),
         })
     }
@@ -284,7 +291,8 @@ impl App {
         let is_lecture = self.settings.lecture
             || self.presentation.is_on
             || self.settings.look.theme == crate::paint::Theme::Projector;
-        self.settings.mode = Some(Mode::of(window, type_pt, is_lecture));
+        self.settings.mode =
+            Some(if self.presentation.is_on { Mode::Presenting } else { Mode::of(window, type_pt, is_lecture) });
         self.settings.is_narrow = !self.room(egui::Rect::NOTHING, window).has_docked_parameters();
     }
 
@@ -300,8 +308,9 @@ impl App {
 
     /// Whether a larger interface fits into the window.
     fn can_be_larger(&self) -> bool {
-        let larger = self.settings.zoom().min(self.ctx.zoom_factor()) + ZOOM.2;
-        let fits = || layout::zoom_that_fits(larger, self.size(), self.settings.look.theme.sizes().body) >= larger;
+        let larger = self.settings.zoom().min(self.ctx.zoom_factor() / self.mode().zoom()) + ZOOM.2;
+        let type_pt = self.settings.look.theme.sizes().body;
+        let fits = || layout::zoom_that_fits(larger, self.size(), type_pt, self.mode()) >= larger;
         self.settings.interface(self.size()).zoom < ZOOM.1 && fits()
     }
 
@@ -327,6 +336,7 @@ impl App {
             playing: self.player.is_playing(),
             lecture: self.settings.lecture,
             has_charts: !self.folded().charts && !self.charts().is_empty(),
+            has_large_picture: self.has_large_picture,
             has_enlarged: self.settings.charts.is_enlarged
                 && self.regions.iter().all(|(region, _)| *region != Region::Stage),
             can_be_larger: self.can_be_larger(),
@@ -423,7 +433,7 @@ impl App {
     }
 
     fn panels(&mut self, ui: &mut Ui, gpu: Option<&RenderState>, actions: &mut Actions) {
-        let is_lecture = self.settings.mode == Some(Mode::Lecture);
+        let is_lecture = self.mode().is_lecture();
         let fill = ui.visuals().panel_fill;
         let bar = |x, y| Frame::new().fill(fill).inner_margin(Margin::symmetric(x, y));
         let top = if is_lecture { 4 } else { 6 };
@@ -431,7 +441,6 @@ impl App {
         if self.presentation.is_on {
             // For the class there is nothing but stage, chart and caption.
             self.progress_line(ui);
-            self.question_bar(ui, actions, &mut regions);
             self.toasts.show_description(ui, bar(12, 6), self.settings.look.theme);
             CentralPanel::no_frame().show(ui, |ui| self.body(ui, gpu, actions, &mut regions));
             self.regions = regions;
@@ -443,11 +452,10 @@ impl App {
             let status = Panel::bottom("status").frame(bar(16, 2)).show(ui, |ui| self.status(ui, actions));
             regions.push((Region::Status, status.response.rect));
         }
-        let height = (ui.spacing().interact_size.y * 1.8).round();
+        let height = (ui.spacing().interact_size.y * 1.65).round();
         let transport = Panel::bottom("transport").frame(bar(12, 2)).exact_size(height + 4.0);
         let transport = transport.show(ui, |ui| self.transport(ui, actions));
         regions.push((Region::Transport, transport.response.rect));
-        self.question_bar(ui, actions, &mut regions);
         self.toasts.show_description(ui, bar(12, 6), self.settings.look.theme);
         CentralPanel::no_frame().show(ui, |ui| self.body(ui, gpu, actions, &mut regions));
         self.regions = regions;
@@ -462,21 +470,50 @@ impl App {
         charts(step, beside.map_or(&experiment.estimator, |companion| &companion.estimator).charts())
     }
 
+    /// How much is told in the window as it is.
+    fn mode(&self) -> Mode {
+        self.settings.mode.unwrap_or(Mode::Working)
+    }
+
+    /// The pictures on the stage just now, as far as the layout follows from them.
+    fn pictures(&self) -> Pictures {
+        let theme = self.settings.look.theme;
+        let tools_pt = (!self.presentation.is_on).then(|| self.ctx.global_style().spacing.interact_size.y);
+        let line = stage::line_height(theme, tools_pt);
+        let Some(shown) = self.view.shown.as_deref() else { return Pictures { line, ..Pictures::default() } };
+        let stands = shown.stands(shown.subject.experiment.estimator.shows_frame_alone());
+        let (pictures, look, tiles) = (&shown.pictures, self.settings.look, shown.tiles.len());
+        stage::pictures(stage::OnStage { pictures, look, stands, tiles }, theme, line)
+    }
+
+    /// Whether any step of the estimator that is explained has a chart.
+    fn can_have_charts(&self) -> bool {
+        !self.document.estimator().charts().is_empty()
+    }
+
     /// The room between header and transport, for panes of what is shown.
     fn room(&self, body: egui::Rect, window: egui::Vec2) -> Room {
+        let mode = self.mode();
+        let folded = self.settings.folded();
+        let is_brief = mode.is_lecture() && folded.explanation;
         Room {
             body,
             window,
             type_pt: self.settings.look.theme.sizes().body,
-            mode: self.settings.mode.unwrap_or(Mode::Working),
-            folded: self.settings.folded(),
+            mode,
+            folded,
+            pictures: self.pictures(),
             charts: self.charts().len(),
-            tiles: self.view.shown.as_ref().map_or(0, |shown| shown.tiles.len()),
-            is_beside_page: self.lesson.is_some(),
+            can_have_charts: self.can_have_charts(),
+            page: self.lesson.as_ref().map(|open| LessonPage {
+                height: self.states.lesson.needed(),
+                is_read: self.view.shown.as_deref().is_some_and(|shown| shown.cursor != open.landing()),
+            }),
+            question: self.asking(),
             // A chart is hidden during a question, and the pictures may have to be clicked.
             is_enlarged: self.settings.charts.is_enlarged && self.predict.open().is_none(),
-            strip: self.states.strip.height(),
-            explanation: self.states.explanation.formula_end(),
+            prefers_chart: self.settings.charts.is_preferred,
+            told: if is_brief { self.states.strip.height() } else { self.states.explanation.formula_end() },
             shares: self.settings.shares,
         }
     }
@@ -556,9 +593,8 @@ impl App {
         regions: &mut Vec<(Region, egui::Rect)>,
     ) {
         self.states.stage.begin_frame();
-        let body = self.lesson_beside(ui, actions, regions);
-        let all = self.room(body, ui.ctx().content_rect().size()).arrange();
         let of_step = self.charts();
+        let room = self.room(ui.max_rect(), ui.ctx().content_rect().size());
         // In a long run the marks of the frames in between must not lag behind their pictures.
         let is_on_its_way = self.view.progress.is_some();
         let calm = self.settings.reduced_motion || self.player.is_playing() || is_on_its_way;
@@ -569,27 +605,42 @@ impl App {
             error: self.error.as_ref(),
             asks_for_trust: self.asks_for_trust(),
             states: &mut self.states,
-            is_asked: self.predict.open().is_some(),
             of_step,
             charts: &mut self.settings.charts,
             shares: &mut self.settings.shares,
             animate: !calm && !ui.input(|i| i.pointer.any_down()),
-            has_no_status: self.settings.mode == Some(Mode::Lecture),
+            has_no_status: room.mode.is_lecture(),
             flows: !self.settings.reduced_motion,
             gpu,
             presented: self.presentation.presented(),
             look: &mut self.settings.look,
             actions,
         };
+        // They take from the room of everything, and lie over no picture.
+        panes.banners(ui);
+        let all = room.in_body(ui.available_rect_before_wrap()).arrange();
         panes.show(ui, &all);
+        if let Some(page) = all.page {
+            self.lesson_page(ui, page, actions);
+        }
+        if let Some(question) = all.question {
+            self.question_pane(ui, question, actions);
+        }
         self.states.stage.end_frame(ui.ctx());
-        let Arrangement { stage, charts, explanation, strip, parameters, .. } = all;
-        let single = [(Region::Stage, stage), (Region::Explanation, explanation), (Region::Strip, strip)];
-        let single = single.into_iter().chain([(Region::Parameters, parameters)]);
+        self.arranged = (all.alternates, all.charts.len());
+        self.has_large_picture = all.stage.is_some() && all.panes.has_large();
+        let told = if all.strip.is_some() { Region::Strip } else { Region::Explanation };
+        let single = [
+            (Region::Stage, all.stage),
+            (told, all.told),
+            (Region::Lesson, all.page),
+            (Region::Question, all.question),
+        ];
+        let single = single.into_iter().chain([(Region::Parameters, all.parameters)]);
         regions.extend(single.filter_map(|(region, rect)| Some((region, rect?))));
-        regions.extend(charts.into_iter().map(|rect| (Region::Chart, rect)));
-        if stage.is_some() {
-            regions.push((Region::Pictures, self.states.stage.area()));
+        regions.extend(all.charts.iter().map(|rect| (Region::Chart, *rect)));
+        if all.stage.is_some() {
+            regions.extend(self.states.stage.pictures().map(|rect| (Region::Pictures, rect)));
         }
         // What was chosen on the stage is shown as soon as it is made.
         self.walker.look(&self.settings.look);

@@ -20,6 +20,7 @@ use crate::ui::model::background::Background;
 use crate::ui::model::document::Document;
 use crate::ui::model::live::{Live, LiveView, live_look};
 use crate::ui::model::settings::{CameraChoices, Settings};
+use crate::ui::panes::layout::Panes;
 use crate::ui::parts::widgets;
 use crate::ui::stage;
 use crate::view::look::Look;
@@ -486,7 +487,13 @@ fn picture(ui: &mut Ui, state: &mut State, (document, look): (&Document, &Look))
     if let Some(live) = state.live() {
         live.look(&look);
     }
+    let theme = look.theme;
+    let of = stage::OnStage { pictures: &seen.pictures, look, stands: seen.stands, tiles: 0 };
+    let pictures = stage::pictures(of, theme, stage::line_height(theme, None));
+    let panes = &Panes::Alike(pictures.split(ui.max_rect()));
     let input = stage::Input {
+        panes,
+        is_search: false,
         pictures: &seen.pictures,
         frame: seen.frame,
         scene: &seen.scene,

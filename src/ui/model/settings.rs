@@ -161,7 +161,7 @@ impl Settings {
     /// What is folded away in the window as it is.
     pub fn folded(&self) -> Folded {
         match self.mode {
-            Some(Mode::Lecture) => self.folded_lecture,
+            Some(mode) if mode.is_lecture() => self.folded_lecture,
             _ if self.is_narrow => self.folded_narrow,
             _ => self.folded,
         }
@@ -169,14 +169,14 @@ impl Settings {
 
     /// Folds the parameters away where they lie over the pictures.
     pub fn close_drawer(&mut self) {
-        if self.mode == Some(Mode::Lecture) || self.is_narrow {
+        if self.mode.is_some_and(Mode::is_lecture) || self.is_narrow {
             self.folded_mut().parameters = true;
         }
     }
 
     fn folded_mut(&mut self) -> &mut Folded {
         match self.mode {
-            Some(Mode::Lecture) => &mut self.folded_lecture,
+            Some(mode) if mode.is_lecture() => &mut self.folded_lecture,
             _ if self.is_narrow => &mut self.folded_narrow,
             _ => &mut self.folded,
         }
@@ -214,7 +214,8 @@ impl Settings {
 
     /// How large and how lively a window of `size` points at scale 1 is.
     pub fn interface(&self, size: Vec2) -> Interface {
-        let zoom = layout::zoom_that_fits(self.zoom, size, self.look.theme.sizes().body);
+        let mode = self.mode.unwrap_or(layout::Mode::Working);
+        let zoom = layout::zoom_that_fits(self.zoom * mode.zoom(), size, self.look.theme.sizes().body, mode);
         Interface { theme: self.look.theme, zoom, reduced_motion: self.reduced_motion }
     }
 

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Panes;
 use super::glossary::{self, Beside};
+use super::layout::Arrangement;
 use crate::paint::charts::Orbit;
 use crate::paint::charts::cloud::Viewpoint;
 use crate::paint::charts::explanation::equation_of;
@@ -34,6 +35,9 @@ pub struct Chosen {
     /// Whether the first takes the place of the stage.
     #[serde(skip)]
     pub is_enlarged: bool,
+    /// Whether it is seen where there is no room for both a formula and a chart.
+    #[serde(skip)]
+    pub is_preferred: bool,
     /// The most width that the tabs of an estimator's steps have needed, with its id and the size of their type.
     #[serde(skip)]
     widest: Option<(&'static str, f32, f32)>,
@@ -71,18 +75,44 @@ impl Chosen {
         }
     }
 
-    /// Shows the next of `all` in the first place, or the one before.
-    pub fn turn(&mut self, all: &[&'static Pane], count: usize, is_back: bool) {
+    /// Shows the next of `all` in the first place, or the one before; where formula and chart `alternate`, the formula is one of them.
+    pub fn turn(&mut self, all: &[&'static Pane], count: usize, (is_back, alternate): (bool, bool)) {
         let seen = self.seen(all, count);
+        let ends = if is_back { [all.first(), all.last()] } else { [all.last(), all.first()] };
+        if alternate && !all.is_empty() {
+            if !self.is_preferred {
+                ends[1].iter().for_each(|first| self.choose(0, first, &seen));
+                self.is_preferred = true;
+                return;
+            }
+            if seen.first() == ends[0] {
+                self.is_preferred = false;
+                return;
+            }
+        }
         let Some(at) = seen.first().and_then(|first| all.iter().position(|pane| pane == first)) else { return };
         let to = if is_back { at + all.len() - 1 } else { at + 1 } % all.len();
         self.choose(0, all[to], &seen);
     }
 }
 
+/// What stands in the line of a chart.
+#[derive(Clone, Copy)]
+struct Tabs<'a> {
+    /// Which of the places of charts it belongs to.
+    place: usize,
+    /// The charts of the step.
+    all: &'a [&'static Pane],
+    /// Those that are seen; none where the formula has their place.
+    seen: &'a [&'static Pane],
+    /// Whether the formula can have the place of the chart.
+    has_formula: bool,
+}
+
 impl Panes<'_> {
-    /// Shows a chart in each of `places`.
-    pub(super) fn charts(&mut self, ui: &mut Ui, places: &[Rect]) {
+    /// Shows a chart in each of its places.
+    pub(super) fn charts(&mut self, ui: &mut Ui, arranged: &Arrangement) {
+        let places = &arranged.charts[..];
         let all = self.of_step.clone();
         let seen = self.charts.seen(&all, places.len());
         if !self.presented.is_bare || seen.is_empty() {
@@ -96,12 +126,10 @@ impl Panes<'_> {
                 egui::Margin { left: 8, right: 8, top: 0, bottom: 6 },
                 ("chart", place),
                 |panes, ui| {
-                    panes.tabs(ui, place, &all, &seen);
+                    let has_formula = arranged.alternates && place == 0;
+                    panes.tabs(ui, Tabs { place, all: &all, seen: &seen, has_formula });
                     if panes.is_stale() {
                         ui.multiply_opacity(0.4);
-                    }
-                    if panes.is_asked {
-                        return super::hidden(ui);
                     }
                     let area = ui.available_rect_before_wrap();
                     ui.push_id(pane.id, |ui| panes.chart(ui, pane));
@@ -111,15 +139,22 @@ impl Panes<'_> {
         }
     }
 
+    /// The line below a formula that has the place of the charts: what could stand there.
+    pub(super) fn tabs_of_formula(&mut self, ui: &mut Ui) {
+        let all = self.of_step.clone();
+        self.tabs(ui, Tabs { place: 0, all: &all, seen: &[], has_formula: true });
+    }
+
     /// The line above a chart: what it is, what could stand there, and how to see it larger.
-    fn tabs(&mut self, ui: &mut Ui, place: usize, all: &[&'static Pane], seen: &[&'static Pane]) {
+    fn tabs(&mut self, ui: &mut Ui, tabs: Tabs<'_>) {
+        let Tabs { place, all, seen, has_formula } = tabs;
         let height = ui.spacing().interact_size.y;
         let row = Rect::from_min_size(ui.cursor().min, egui::vec2(ui.available_width(), height));
         let row_ui =
             &mut ui.new_child(egui::UiBuilder::new().max_rect(row).layout(Layout::right_to_left(Align::Center)));
         row_ui.spacing_mut().item_spacing.x = 1.0;
         row_ui.spacing_mut().button_padding.x *= 0.75;
-        if place == 0 {
+        if place == 0 && !seen.is_empty() {
             let (glyph, name) = match self.charts.is_enlarged {
                 true => (Icon::Minimize2, "Back to the stage"),
                 false => (Icon::Maximize2, "Enlarge the chart"),
@@ -132,43 +167,59 @@ impl Panes<'_> {
         let mut chosen = None;
         let id = self.view.shown.as_deref().map_or("", |shown| self.explained(shown).0.id);
         let widest = &mut self.charts.widest;
-        row_ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-            let now = seen[place];
+        let formula_tab = row_ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+            let now = seen.get(place).copied();
+            let mut is_formula_chosen = false;
             let padding = 2.0 * ui.spacing().button_padding.x + 1.0;
             let font = TextStyle::Small.resolve(ui.style());
             let width = |pane: &&Pane| {
                 let words = pane.title.to_owned();
                 ui.painter().layout_no_wrap(words, font.clone(), egui::Color32::PLACEHOLDER).size().x + padding
             };
-            let needed: f32 = all.iter().map(width).sum();
+            let formula = "Formula";
+            let of_formula =
+                ui.painter().layout_no_wrap(formula.into(), font.clone(), egui::Color32::PLACEHOLDER).size().x;
+            let needed: f32 = all.iter().map(width).sum::<f32>() + if has_formula { of_formula + padding } else { 0.0 };
             // Steps with fewer charts keep the form that the longest row has, so that it does not change to and fro.
             let known = widest.filter(|(of, size, _)| (*of, *size) == (id, font.size));
             let needed = known.map_or(needed, |(.., before)| before.max(needed));
             *widest = Some((id, font.size, needed));
             if needed <= ui.available_width() {
+                if has_formula {
+                    let tab = ui.add(Button::selectable(now.is_none(), RichText::new(formula).small()));
+                    tab.widget_info(|| WidgetInfo::selected(egui::Role::Tab, true, now.is_none(), formula));
+                    is_formula_chosen = tab.on_hover_text("The formula of the step, in numbers.").clicked();
+                }
                 for pane in all {
-                    let is_now = *pane == now;
+                    let is_now = Some(*pane) == now;
                     let tab = ui.add(Button::selectable(is_now, RichText::new(pane.title).small()));
                     tab.widget_info(|| WidgetInfo::selected(egui::Role::Tab, true, is_now, pane.title));
                     if tab.on_hover_text(sentence(pane.doc)).clicked() {
                         chosen = Some(*pane);
                     }
                 }
-                return;
+                return is_formula_chosen;
             }
-            let list = egui::ComboBox::from_id_salt(("charts", place)).selected_text(RichText::new(now.title).small());
+            let title = RichText::new(now.map_or(formula, |pane| pane.title)).small();
+            let list = egui::ComboBox::from_id_salt(("charts", place)).selected_text(title);
             let list = list.show_ui(ui, |ui| {
+                is_formula_chosen = has_formula && ui.selectable_label(now.is_none(), formula).clicked();
                 for pane in all {
-                    if ui.selectable_label(*pane == now, pane.title).on_hover_text(sentence(pane.doc)).clicked() {
+                    if ui.selectable_label(Some(*pane) == now, pane.title).on_hover_text(sentence(pane.doc)).clicked() {
                         chosen = Some(*pane);
                     }
                 }
             });
             list.response.accessible_name("Chart");
+            is_formula_chosen
         });
+        let is_formula_chosen = formula_tab.inner;
         ui.advance_cursor_after_rect(row);
         if let Some(pane) = chosen {
             self.charts.choose(place, pane, seen);
+        }
+        if has_formula && (chosen.is_some() || is_formula_chosen) {
+            self.charts.is_preferred = chosen.is_some();
         }
     }
 
@@ -340,9 +391,21 @@ mod tests {
         let mut chosen = Chosen::default();
         let mut seen = Vec::new();
         for is_back in [false, false, false, true] {
-            chosen.turn(&all, 1, is_back);
+            chosen.turn(&all, 1, (is_back, false));
             seen.push(chosen.seen(&all, 1)[0].id);
         }
         assert_eq!(seen, ["series", "histogram", "surface", "histogram"]);
+    }
+
+    #[test]
+    fn the_formula_is_one_of_them_where_it_has_the_place_of_the_charts() {
+        let all: [&'static Pane; 2] = [&SURFACE, &SERIES];
+        let mut chosen = Chosen::default();
+        let mut seen = Vec::new();
+        for is_back in [false, false, false, true, true, true] {
+            chosen.turn(&all, 1, (is_back, true));
+            seen.push(if chosen.is_preferred { chosen.seen(&all, 1)[0].id } else { "formula" });
+        }
+        assert_eq!(seen, ["surface", "series", "formula", "series", "surface", "formula"]);
     }
 }

@@ -61,7 +61,7 @@ fn density(height: f32, theme: Theme) -> Density {
 fn key_of(ui: &Ui, Input { info, theme, .. }: Input<'_>, before: Option<Key>) -> Key {
     let key = |density| Key {
         id: info.id,
-        width: ui.available_width().round() as u32,
+        width: (ui.available_width() - 2.0).max(0.0).round() as u32,
         window: ui.ctx().content_rect().height().round() as u32,
         theme,
         density,
@@ -216,8 +216,29 @@ impl State {
     }
 }
 
-/// Shows the explanation in the whole of `ui`, with the sentence unless that stands elsewhere.
-pub fn show(ui: &mut Ui, (input, has_sentence): (Input<'_>, bool), state: &mut State) {
+/// How much wider than high a pane is in which the explanation has two columns, and the least width of that in letters.
+const WIDE: f32 = 2.2;
+const WIDE_LETTERS: f32 = 40.0;
+/// Between the two columns, in points.
+const COLUMN_GAP: f32 = 24.0;
+
+/// Shows the explanation in the whole of `ui`: sentence and formula above the numbers and the code, or beside them where the pane
+/// is low.
+pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
+    let room = ui.available_rect_before_wrap();
+    let is_wide = room.width() > WIDE * room.height() && room.width() > WIDE_LETTERS * input.theme.sizes().body;
+    if !is_wide {
+        return column(ui, input, state, [true, true]);
+    }
+    let half = (room.width() - COLUMN_GAP) / 2.0;
+    let inside = |rect| egui::UiBuilder::new().max_rect(rect);
+    let [left, right] = [room.with_max_x(room.min.x + half), room.with_min_x(room.max.x - half)];
+    column(&mut ui.new_child(inside(left).id_salt("why")), input, state, [true, false]);
+    column(&mut ui.new_child(inside(right).id_salt("how")), input, state, [false, true]);
+}
+
+/// Shows sentence and formula, numbers and code, or both, below each other.
+fn column(ui: &mut Ui, input: Input<'_>, state: &mut State, [has_why, has_how]: [bool; 2]) {
     let Input { info, step, theme, at_end, beside, .. } = input;
     let key = key_of(ui, input, state.key);
     ui.spacing_mut().item_spacing = vec2(8.0, gap(key.density, theme));
@@ -226,27 +247,34 @@ pub fn show(ui: &mut Ui, (input, has_sentence): (Input<'_>, bool), state: &mut S
     let parts = known.unwrap_or_else(|| Parts::new(ui.painter(), input, key));
     let from = ui.cursor().min.y;
     // The sentence stays in sight, however far the rest is scrolled.
-    if has_sentence {
+    if has_why {
         hold(ui, &mut state.sentence, at_end, |ui| _ = parts.sentence.show(ui, "sentence", beside));
     }
     // Nor does the line at work: it stands at the bottom where it is scrolled out of sight. Nothing scrolls by itself.
-    let (room, below) = (ui.available_height(), parts.pinned_height + ui.spacing().item_spacing.y);
-    let height = state.pinned.unwrap_or(room).clamp(0.0, room.max(0.0));
+    let below = if has_how { parts.pinned_height + ui.spacing().item_spacing.y } else { 0.0 };
+    let room = ui.available_height();
+    let height = state.pinned.filter(|_| has_how).unwrap_or(room).clamp(0.0, room.max(0.0));
     let mut formula_end = 0.0;
     let scroll = egui::ScrollArea::vertical().id_salt("explanation").auto_shrink(false).max_height(height);
     let scrolled = scroll.show(ui, |ui| {
         let mut places = Vec::new();
         let top_of_all = ui.cursor().min.y;
         // Before the first step there is neither: no room is kept then.
-        if parts.facts.size.y > 0.0 || parts.equation.size.y > 0.0 {
+        let has_numbers = parts.facts.size.y > 0.0 || parts.equation.size.y > 0.0;
+        if has_numbers && has_why {
             // The formula is what is taught: it is seen in a small window as well.
-            if has_sentence {
-                parts.rule.show(ui, "first rule", beside);
-            }
+            parts.rule.show(ui, "first rule", beside);
             hold(ui, &mut state.equation, at_end, |ui| places.extend(parts.equation.show(ui, "equation", beside)));
             formula_end = ui.cursor().min.y - top_of_all;
-            parts.rule.show(ui, "second rule", beside);
+        }
+        if has_numbers && has_how {
+            if has_why {
+                parts.rule.show(ui, "second rule", beside);
+            }
             hold(ui, &mut state.facts, at_end, |ui| places.extend(parts.facts.show(ui, "facts", beside)));
+        }
+        if !has_how {
+            return (None, places);
         }
         places.extend(parts.name.show(ui, "name", beside));
         let top = ui.cursor().min.y;
@@ -259,18 +287,23 @@ pub fn show(ui: &mut Ui, (input, has_sentence): (Input<'_>, bool), state: &mut S
         places.extend(parts.citation.show(ui, "citation", beside));
         (at_work, places)
     });
-    if state.pinned.is_some() {
+    if has_how && state.pinned.is_some() {
         ui.add_space((room - below - height).max(0.0));
         parts.pinned.show(ui, "pinned", beside);
     }
-    // Above the formula, the formula, and the line at work that stands below them.
-    let needed = (scrolled.inner_rect.min.y - from + formula_end + below + PANE_MARGIN).ceil();
-    // It only grows, so that the pane keeps its height where steps with a formula and without one follow each other.
-    let needed = if std::mem::take(&mut state.is_old) { needed } else { needed.max(state.formula_end) };
-    if std::mem::replace(&mut state.formula_end, needed) != needed {
-        ui.ctx().request_discard("the explanation needs another height");
-    }
     state.parts = Some(parts);
+    if has_why {
+        // Above the formula, the formula, and the line at work that stands below them.
+        let needed = (scrolled.inner_rect.min.y - from + formula_end + below + PANE_MARGIN).ceil();
+        // It only grows, so that the pane keeps its height where steps with a formula and without one follow each other.
+        let needed = if std::mem::take(&mut state.is_old) { needed } else { needed.max(state.formula_end) };
+        if std::mem::replace(&mut state.formula_end, needed) != needed {
+            ui.ctx().request_discard("the explanation needs another height");
+        }
+    }
+    if !has_how {
+        return;
+    }
     let top = scrolled.inner_rect.min.y;
     let overflows = scrolled.content_size.y > room;
     let is_in_sight = |line: &Rect| line.center().y >= top && line.max.y <= top + room - below;
@@ -291,10 +324,21 @@ type Placed<Content> = (Vec2, Content);
 /// The room of the strip.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StripRoom {
-    /// Points of height that are kept for it.
-    pub kept: f32,
-    /// Whether it stands beside the chart, with its parts below each other.
+    /// The most height that it can have, in points.
+    pub most: f32,
+    /// Its type, in points.
+    pub type_pt: f32,
+    /// Whether its parts stand below each other.
     pub is_column: bool,
+    /// Whether a chart has the place of the formula.
+    pub is_sentence_alone: bool,
+}
+
+impl StripRoom {
+    /// The numbers that stand in for a formula.
+    fn facts<'a>(self, input: Input<'a>) -> Since<'a, Fact> {
+        if self.is_sentence_alone { Since { now: &[], before: &[] } } else { input.facts() }
+    }
 }
 
 /// Sentence and formula, and the room that they have needed so far.
@@ -308,16 +352,12 @@ pub struct Strip {
     shown: Option<(Arc<Step>, Vec<Placed<Part>>)>,
 }
 
-/// Sizes of the strip's type that are tried until all of it is seen: 18 points on a projector.
-const TYPE_SHARES: [f32; 3] = [1.0, 0.93, 0.86];
-/// The size that is tried first in the themes whose usual type is smaller: a lecture on any screen is read from afar.
-const LARGE_SHARE: f32 = 1.25;
-/// Those for what is too long even with its formula in numbers alone.
-const SMALL_SHARES: [f32; 2] = [0.8, 0.74];
+/// Sizes of the strip's type that are tried for what is too long even with its formula in numbers alone.
+const TYPE_SHARES: [f32; 6] = [1.0, 0.93, 0.86, 0.8, 0.74, 0.68];
 /// Most lines of a formula that always stand below each other: a short one is read across otherwise.
 const ONE_COLUMN: usize = 3;
 /// Most rows of numbers in the strip.
-const STRIP_FACTS: usize = 3;
+const STRIP_FACTS: usize = 4;
 /// Shares of the strip's width for the sentence that are tried where numbers stand beside it.
 const FACTS_SHARES: [f32; 3] = [0.55, 0.62, 0.7];
 /// Those that are tried where a formula stands beside it: in one column, and in two.
@@ -326,7 +366,7 @@ const NARROW_SHARES: [f32; 3] = [0.4, 0.46, 0.52];
 /// Between sentence and formula, in points.
 const STRIP_GAP: f32 = 24.0;
 /// Above and below the strip's words, in points.
-const STRIP_MARGIN: f32 = 8.0;
+const STRIP_MARGIN: f32 = 10.0;
 
 impl Strip {
     /// The most height that the strip has needed for this estimator in this window, in points.
@@ -339,8 +379,8 @@ impl Strip {
 /// for them are set smaller, and only what has no room even so asks for more.
 pub fn strip(ui: &mut Ui, (input, room): (Input<'_>, StripRoom), state: &mut Strip) {
     let Input { step, theme, beside, .. } = input;
-    let key = Key { density: Density::strip(theme), ..key_of(ui, input, None) };
-    let room = StripRoom { kept: room.kept - STRIP_MARGIN, ..room };
+    let key = Key { density: Density::strip(room.type_pt, theme), ..key_of(ui, input, None) };
+    let room = StripRoom { most: room.most - STRIP_MARGIN, ..room };
     // Where even the smallest type leaves something out of sight, a bar that is always seen says so; its room is kept.
     let scroll = &mut ui.spacing_mut().scroll;
     (scroll.dormant_handle_opacity, scroll.dormant_background_opacity) = (0.6, 0.3);
@@ -355,11 +395,8 @@ pub fn strip(ui: &mut Ui, (input, room): (Input<'_>, StripRoom), state: &mut Str
     let needed = parts.iter().map(|(at, part)| at.y + part.size.y).fold(0.0, f32::max).ceil();
     // It only grows, so that nothing jumps from step to step.
     if needed > state.height {
-        let has_room = needed <= room.kept;
         state.height = needed;
-        if !has_room {
-            ui.ctx().request_discard("the strip needs more height");
-        }
+        ui.ctx().request_discard("the strip needs more height");
     }
     let room = ui.available_height();
     egui::ScrollArea::vertical().id_salt("strip").auto_shrink(false).max_height(room).show(ui, |ui| {
@@ -385,25 +422,21 @@ pub fn strip(ui: &mut Ui, (input, room): (Input<'_>, StripRoom), state: &mut Str
 /// The parts of the strip, in the largest type in which all of it is seen: rather with the symbols of its first formula alone, with
 /// none, and then smaller, than out of sight.
 fn strip_parts(painter: &Painter, input: Input<'_>, (width, room): (f32, StripRoom)) -> Vec<Placed<Part>> {
-    let usual = Density::strip(input.theme);
+    let usual = Density::strip(room.type_pt, input.theme);
     let at = |share: &f32| Density { words: share * usual.words, math: share * usual.math, ..usual };
-    let formula = input.formulas();
+    let formula = if room.is_sentence_alone { Since { now: &[][..], before: &[][..] } } else { input.formulas() };
     let in_numbers = |kept| [formula.now, formula.before].map(|lines| in_numbers(lines, kept));
     let ([once, once_before], [brief, brief_before]) = (in_numbers(1), in_numbers(0));
     let once = Since { now: &once, before: &once_before };
     let brief = Since { now: &brief, before: &brief_before };
-    let large = (input.theme != Theme::Projector).then_some((&LARGE_SHARE, formula));
-    let whole = large.into_iter().chain(TYPE_SHARES.iter().map(|share| (share, formula)));
-    let first = TYPE_SHARES.iter().filter(|_| brief.len() < once.len() && once.len() < formula.len());
-    let shorter = TYPE_SHARES.iter().filter(|_| brief.len() < formula.len()).chain(&SMALL_SHARES);
-    let first = first.map(|share| (share, once));
+    let whole = [(&TYPE_SHARES[0], formula), (&TYPE_SHARES[0], once)];
     let mut columns = Vec::new();
-    for (share, formula) in whole.chain(first).chain(shorter.map(|share| (share, brief))) {
+    for (share, formula) in whole.into_iter().chain(TYPE_SHARES.iter().map(|share| (share, brief))) {
         columns = match room.is_column {
-            true => strip_rows((input, formula), (width, at(share)), room.kept),
-            false => strip_columns((input, formula), (width, at(share)), room.kept),
+            true => strip_rows((input, formula), (width, at(share)), room),
+            false => strip_columns((input, formula), (width, at(share)), room),
         };
-        if height(&columns, width) <= room.kept {
+        if height(&columns, width) <= room.most {
             break;
         }
     }
@@ -414,10 +447,10 @@ fn strip_parts(painter: &Painter, input: Input<'_>, (width, room): (f32, StripRo
 fn strip_rows(
     (input, formula): (Input<'_>, Since<'_, Math>),
     (width, density): (f32, Density),
-    most: f32,
+    room: StripRoom,
 ) -> Vec<Placed<Block>> {
     let Input { step, theme, .. } = input;
-    let facts = input.facts();
+    let (facts, most) = (room.facts(input), room.most);
     let sentence = explanation::sentence(&step.sentence, (width, density), theme);
     let below = vec2(0.0, sentence.size[1] + STRIP_GAP);
     let second = match (formula.is_empty(), facts.is_empty()) {
@@ -425,7 +458,7 @@ fn strip_rows(
         (true, false) => {
             let first = |count: usize| explanation::table(facts.first(count), (width, density), theme);
             let fewest = facts.len().min(1);
-            let counts = (fewest..=facts.len()).rev();
+            let counts = (fewest..=facts.len().min(STRIP_FACTS)).rev();
             counts.map(first).find(|table| below.y + table.size[1] <= most).unwrap_or_else(|| first(fewest))
         }
         (true, true) => return vec![(Vec2::ZERO, sentence)],
@@ -482,10 +515,10 @@ fn height(parts: &[Placed<Block>], width: f32) -> f32 {
 fn strip_columns(
     (input, formula): (Input<'_>, Since<'_, Math>),
     (width, density): (f32, Density),
-    most: f32,
+    room: StripRoom,
 ) -> Vec<Placed<Block>> {
     let Input { step, theme, .. } = input;
-    let facts = input.facts();
+    let (facts, most) = (room.facts(input), room.most);
     let sentence = |width: f32| explanation::sentence(&step.sentence, (width, density), theme);
     let lines = |lines: Since<'_, Math>, width: f32| explanation::equation(lines, (width, density), theme);
     if formula.is_empty() && facts.is_empty() {

@@ -1,8 +1,8 @@
 //! Where the panes lie, worked out anew in each frame from the size of the window, its type and what there is to show.
 //!
-//! In the working layout the stage stands in the middle, with the explanation right of it and the charts below it or below the
-//! explanation, whichever leaves them room. In a lecture hall, and wherever the window is small for its type, stage and chart
-//! stand beside each other over a strip with the sentence and its formula; everything else comes as a drawer over the edge.
+//! The pictures come first. Everything else, which is words, the formula and a chart, stands in one region beside them or below
+//! them, whichever leaves the pictures larger. The region has what the pictures leave it: they keep the share of the window that a class
+//! can see, and no more than they can fill. Where the region has no room for formula and chart, one of them has the place of both.
 
 use eframe::egui::{Rect, Vec2, pos2, vec2};
 use serde::{Deserialize, Serialize};
@@ -26,26 +26,28 @@ pub enum Pane {
 pub struct Folded {
     /// The parameters.
     pub parameters: bool,
-    /// The explanation; in a lecture, the drawer with all of it.
+    /// The explanation; in a lecture, all of it but the sentence and the formula.
     pub explanation: bool,
     /// The charts.
     pub charts: bool,
 }
 
-/// How the panes are arranged.
+/// How much is told beside the pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
-    /// All panes beside each other.
+    /// All of the explanation.
     Working,
-    /// Stage and chart over a strip, the rest in drawers.
+    /// The sentence and the formula, in large type.
     Lecture,
+    /// The same, in type for the last row, with nothing around it.
+    Presenting,
 }
 
 /// Shares of the room that the person drags.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Shares {
-    /// Width of the column with the explanation, of what it has by default.
+    /// Width or height of the words, of what they have by default.
     pub column: f32,
     /// Height or width of the charts, of what they have by default.
     pub charts: f32,
@@ -84,6 +86,39 @@ impl Default for Shares {
 /// Least and largest share.
 pub const SHARES: std::ops::RangeInclusive<f32> = 0.5..=1.6;
 
+/// The pictures on the stage, as far as their places follow from them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pictures {
+    /// How many there are.
+    pub count: usize,
+    /// Width and height of each in pixels.
+    pub size: (usize, usize),
+    /// Whether they are of several estimators, none of which is larger than another.
+    pub is_lockstep: bool,
+    /// Height of what stands above each, in points.
+    pub header: f32,
+    /// Height of the line below all of them, in points.
+    pub line: f32,
+}
+
+/// The page of a lesson.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LessonPage {
+    /// Height with all of its words in the width that it had, in points.
+    pub height: f32,
+    /// Whether it was read, and the run goes on from where it began.
+    pub is_read: bool,
+}
+
+/// The pane of a question.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Asking {
+    /// Height of all of it in the width that it had, in points.
+    pub height: f32,
+    /// Whether it waits for its answer: then nothing else is told.
+    pub is_open: bool,
+}
+
 /// The room that there is, and what is to stand in it.
 #[derive(Clone, Copy, Debug)]
 pub struct Room {
@@ -93,22 +128,26 @@ pub struct Room {
     pub window: Vec2,
     /// Size of the type in points.
     pub type_pt: f32,
-    /// How the panes are arranged.
+    /// How much is told.
     pub mode: Mode,
     /// What is folded away.
     pub folded: Folded,
+    /// What stands on the stage.
+    pub pictures: Pictures,
     /// How many charts the step has.
     pub charts: usize,
-    /// How many estimators share the stage.
-    pub tiles: usize,
-    /// Whether the page of a lesson stands beside the panes.
-    pub is_beside_page: bool,
+    /// Whether any step of the estimator has one.
+    pub can_have_charts: bool,
+    /// The page of a lesson, if one is open.
+    pub page: Option<LessonPage>,
+    /// The question about the next result, while results are asked about.
+    pub question: Option<Asking>,
     /// Whether a chart takes the place of the stage.
     pub is_enlarged: bool,
-    /// The most height that the strip has needed so far, in points.
-    pub strip: f32,
+    /// Whether the chart is seen where there is no room for both a formula and a chart.
+    pub prefers_chart: bool,
     /// Height of the explanation down to the end of its formula, in points.
-    pub explanation: f32,
+    pub told: f32,
     /// What the person has dragged.
     pub shares: Shares,
 }
@@ -127,275 +166,617 @@ pub struct Border {
 /// Where everything lies.
 #[derive(Clone, Debug, Default)]
 pub struct Arrangement {
-    /// The pictures, unless a chart has their place.
+    /// The pictures with the line below them, unless a chart has their place.
     pub stage: Option<Rect>,
+    /// Each picture without its header.
+    pub panes: Panes,
     /// Charts, one in each rectangle.
     pub charts: Vec<Rect>,
-    /// All of the explanation.
-    pub explanation: Option<Rect>,
-    /// Sentence and formula alone.
-    pub strip: Option<Rect>,
-    /// What is kept for the strip, whatever the step tells.
-    pub strip_room: StripRoom,
+    /// The page of a lesson.
+    pub page: Option<Rect>,
+    /// The question.
+    pub question: Option<Rect>,
+    /// What is told of the step.
+    pub told: Option<Rect>,
+    /// Whether formula and chart share one place, so that one of them is not seen.
+    pub alternates: bool,
+    /// Whether nothing but the pictures and what is told is seen: keys choose the chart then.
+    pub is_presented: bool,
+    /// The room of sentence and formula, where they alone are told.
+    pub strip: Option<StripRoom>,
     /// The parameters.
     pub parameters: Option<Rect>,
-    /// Panes that lie over others, at the edge.
-    pub drawers: Vec<Rect>,
     /// Where rooms can be shared out otherwise.
     pub borders: Vec<Border>,
 }
 
-/// Letters across the window, and lines down, below which its panes do not fit beside each other.
-const WORKING_LETTERS: Vec2 = vec2(84.0, 42.0);
-/// Letters across below which the parameters are a drawer.
-const DOCKED_LETTERS: f32 = 100.0;
-/// Lines down from which charts stand below the stage.
-const BELOW_LINES: f32 = 88.0;
-/// Width from which two charts are seen at once, in points.
+impl Arrangement {
+    /// Whether the formula has the place of the charts, which its tabs show instead.
+    pub fn has_tabs(&self) -> bool {
+        self.alternates && self.charts.is_empty() && !self.is_presented
+    }
+}
+
+/// Where the pictures lie.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Panes {
+    /// All alike.
+    Alike(Vec<Rect>),
+    /// One of them large, and places for the others in their order; beside them the room of a legend, if there is any.
+    Large(Rect, Vec<Rect>, Option<Rect>),
+}
+
+impl Default for Panes {
+    fn default() -> Self {
+        Self::Alike(Vec::new())
+    }
+}
+
+impl Panes {
+    /// The places of pictures the one at `main` of which is the large one, if one is.
+    pub fn of(&self, main: usize) -> Vec<Rect> {
+        match self {
+            Self::Alike(panes) => panes.clone(),
+            Self::Large(large, small, _) => {
+                let mut all = small.clone();
+                all.insert(main.min(small.len()), *large);
+                all
+            }
+        }
+    }
+
+    /// The room of a legend beside the small pictures.
+    pub fn legend(&self) -> Option<Rect> {
+        match self {
+            Self::Large(.., legend) => *legend,
+            Self::Alike(_) => None,
+        }
+    }
+
+    /// Whether one of them is larger than the others.
+    pub fn has_large(&self) -> bool {
+        matches!(self, Self::Large(..))
+    }
+}
+
+/// Letters across below which the parameters have no place beside pictures and words.
+const DOCKED_LETTERS: f32 = 92.0;
+/// Width of the parameters, in letters.
+const PARAMETERS_LETTERS: f32 = 20.0;
+/// Width from which two charts are seen at once below the pictures, in points.
 const TWO_CHARTS: f32 = 1600.0;
 /// The least window that everything has room in, in letters across and lines down: a smaller one has smaller type.
 pub const LEAST_LETTERS: Vec2 = vec2(56.0, 30.0);
-/// Share of the window's height that stage and chart have in a lecture at least, unless the window is very low.
-const LECTURE_SHARE: f32 = 0.552;
-/// Height that is kept for the strip, in sizes of its type: five lines. It is never less than this share of the body.
-const STRIP_LETTERS: f32 = 7.2;
-const STRIP_SHARE: f32 = 0.22;
-/// Share of the stage's height that the strip may take over what is kept for it, where its longest text is not whole otherwise:
-/// two lines, and little enough that the pictures stay about where they are.
-const STRIP_GROWTH: f32 = 0.1;
-/// How much wider than high the body is at least where the strip stands beside an enlarged chart, and the strip's share of the
-/// width there: the chart keeps its share of the window.
-const WIDE: f32 = 1.4;
-const STRIP_COLUMN: f32 = 0.32;
-/// Share of the chart beside the stage, and where this many estimators share the stage.
-const CHART_SHARE: f32 = 0.42;
-const CHART_BESIDE_TILES: f32 = 0.3;
-/// The same where the page of a lesson leaves both less room: a chart that is half as large cannot be read.
-const CHART_BESIDE_PAGE: f32 = 0.5;
-const MANY_TILES: usize = 3;
+/// The same without header and transport.
+const LEAST_PRESENTED: Vec2 = vec2(49.0, 27.0);
+/// Least height in which a chart can be read, and least width, in letters.
+const CHART_LETTERS: [f32; 2] = [12.0, 15.0];
+/// Least height of the page of a lesson in a column, in letters, and the most of the column: before it was read, and after.
+const PAGE_LETTERS: f32 = 7.0;
+const PAGE_SHARES: [f32; 2] = [0.5, 0.36];
+/// How much larger pictures must be where one of two is shrunk for the other's sake.
+const ALIKE: f32 = 0.55;
+/// Most of the body that words have by default, beside the pictures or below them.
+const MOST_WORDS: f32 = 0.6;
+/// How much wider than high a column is at most.
+const COLUMN: f32 = 1.2;
+/// Height of the line with the titles of charts, in letters.
+const TABS_LETTERS: f32 = 1.9;
+/// Least height of a picture beside a large one, in letters.
+const SMALL_LETTERS: f32 = 5.0;
+/// Least width of a legend beside them, in letters.
+const LEGEND_LETTERS: f32 = 9.0;
+/// Between two pictures, and between those of several estimators.
+const PICTURE_GAP: f32 = 4.0;
+const LOCKSTEP_GAP: f32 = 12.0;
+/// Around the pictures, in points.
+pub const MARGIN: f32 = 2.0;
 /// Between two panes.
 const GAP: f32 = 1.0;
 /// Half the width of a border for the pointer.
 const GRIP: f32 = 3.0;
 
+/// Letters across the window, and lines down, below which sentence and formula alone are told.
+const WORKING_LETTERS: Vec2 = vec2(84.0, 42.0);
+
 impl Mode {
-    /// How the panes of a window of `size` lie, in points, with type of `type_pt`.
+    /// How much is told in a window of `size` in points with type of `type_pt`.
     pub fn of(size: Vec2, type_pt: f32, is_lecture: bool) -> Self {
         let letters = size / type_pt.max(1.0);
         let is_small = letters.x < WORKING_LETTERS.x || letters.y < WORKING_LETTERS.y;
         if is_lecture || is_small { Mode::Lecture } else { Mode::Working }
     }
+
+    /// Whether the sentence and the formula alone are told.
+    pub fn is_lecture(self) -> bool {
+        self != Self::Working
+    }
+
+    /// The type of sentence and formula in a theme whose usual type has `type_pt` points.
+    pub fn told_pt(self, type_pt: f32) -> f32 {
+        if self.is_lecture() { (1.17 * type_pt).round() } else { type_pt }
+    }
+
+    /// The most of the column's height that small pictures beside a large one take.
+    fn small_share(self) -> f32 {
+        if self == Self::Presenting { 0.16 } else { 0.2 }
+    }
+
+    /// How much larger the interface is: in a window of 1280×720 on a projector the letter x of a sentence is 16 px high then, and that
+    /// of a label 12 px.
+    pub fn zoom(self) -> f32 {
+        if self == Self::Presenting { 1.23 } else { 1.0 }
+    }
+
+    /// The least shares that the pictures have: of the window's area, or of its height.
+    fn least(self, is_beside_page: bool, way: Way) -> [f32; 2] {
+        match self {
+            // With the smaller pictures beside it a large one has 40 %.
+            _ if is_beside_page => [if way == Way::Large { 0.385 } else { 0.405 }, 2.0],
+            Self::Presenting => [0.56, 0.71],
+            _ => [0.46, 0.62],
+        }
+    }
+}
+
+/// Where the words stand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Side {
+    Beside,
+    Below,
+}
+
+/// How several pictures share the stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Way {
+    /// In so many columns.
+    Grid(usize),
+    /// One alone; the others stand in the region of the words.
+    Large,
+}
+
+/// A way to share the body out.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    side: Side,
+    way: Way,
+    /// Width or height of the words.
+    words: f32,
+    /// Area of a picture, and of all of those in the stage.
+    one: f32,
+    all: f32,
+    /// Whether the pictures have their share.
+    has_share: bool,
+}
+
+impl Default for Pictures {
+    fn default() -> Self {
+        Self { count: 1, size: (4, 3), is_lockstep: false, header: 0.0, line: 0.0 }
+    }
+}
+
+impl Pictures {
+    fn gap(&self) -> f32 {
+        if self.is_lockstep { LOCKSTEP_GAP } else { PICTURE_GAP }
+    }
+
+    /// Columns and rows.
+    fn grid(&self, way: Way) -> [f32; 2] {
+        match way {
+            Way::Grid(columns) => [columns as f32, self.count.div_ceil(columns.max(1)).max(1) as f32],
+            Way::Large => [1.0, 1.0],
+        }
+    }
+
+    /// What is no picture in a stage.
+    fn around(&self, way: Way) -> Vec2 {
+        let [columns, rows] = self.grid(way);
+        let gaps = self.gap() * vec2(columns - 1.0, rows - 1.0);
+        gaps + vec2(0.0, rows * self.header + self.line) + 2.0 * Vec2::splat(MARGIN)
+    }
+
+    /// Size of each picture as it fits into a stage of `room`, in points.
+    fn fit(&self, way: Way, room: Vec2) -> Vec2 {
+        let [columns, rows] = self.grid(way);
+        let size = vec2(self.size.0.max(1) as f32, self.size.1.max(1) as f32);
+        let each = ((room - self.around(way)) / vec2(columns, rows)).max(Vec2::ZERO);
+        size * (each / size).min_elem()
+    }
+
+    /// The stage that pictures of size `fit` fill.
+    fn block(&self, way: Way, fit: Vec2) -> Vec2 {
+        let [columns, rows] = self.grid(way);
+        self.around(way) + fit * vec2(columns, rows)
+    }
+
+    /// The ways in which they can share the stage.
+    fn ways(&self) -> Vec<Way> {
+        match self.count {
+            count if self.is_lockstep => (1..=count.max(1)).map(Way::Grid).collect(),
+            0 | 1 => vec![Way::Grid(1)],
+            2 => vec![Way::Grid(2), Way::Grid(1), Way::Large],
+            _ => vec![Way::Large],
+        }
+    }
+
+    /// The places of all pictures in `area`, shared out so that they are as large as they can be.
+    pub fn split(&self, area: Rect) -> Vec<Rect> {
+        let size = |way: &Way| self.fit(*way, area.size()).x;
+        let ways = (1..=self.count.max(1)).rev().map(Way::Grid);
+        let way = ways.max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(Way::Grid(1));
+        self.panes(way, area)
+    }
+
+    /// The places of the pictures in a stage.
+    fn panes(&self, way: Way, stage: Rect) -> Vec<Rect> {
+        let [columns, rows] = self.grid(way);
+        let inside = stage.shrink(MARGIN).with_max_y(stage.max.y - MARGIN - self.line);
+        let gaps = self.gap() * vec2(columns - 1.0, rows - 1.0);
+        let cell = ((inside.size() - gaps) / vec2(columns, rows)).max(vec2(1.0, self.header + 1.0));
+        let count = if way == Way::Large { 1 } else { self.count };
+        let corner = |i: usize| vec2((i % columns as usize) as f32, (i / columns as usize) as f32);
+        let pane = |i| {
+            let at = inside.min + corner(i) * (cell + Vec2::splat(self.gap()));
+            Rect::from_min_size(at + vec2(0.0, self.header), cell - vec2(0.0, self.header))
+        };
+        (0..count).map(pane).collect()
+    }
 }
 
 impl Room {
-    /// Whether the parameters have a place beside the stage, and do not lie over it.
+    /// Whether the parameters have a place beside pictures and words.
     pub fn has_docked_parameters(&self) -> bool {
         self.mode == Mode::Working && self.window.x >= DOCKED_LETTERS * self.type_pt
     }
 
-    /// How many charts are seen at once.
-    fn columns(&self) -> usize {
-        let most = if self.window.x >= TWO_CHARTS && self.is_below() { 2 } else { 1 };
-        if self.folded.charts { 0 } else { self.charts.min(most) }
+    /// The same room in another body.
+    #[must_use]
+    pub fn in_body(self, body: Rect) -> Self {
+        Self { body, ..self }
     }
 
-    /// Whether charts stand below the stage.
-    fn is_below(&self) -> bool {
-        self.mode == Mode::Working && self.body.height() >= BELOW_LINES * self.type_pt
+    fn told_pt(&self) -> f32 {
+        self.mode.told_pt(self.type_pt)
+    }
+
+    fn is_told(&self) -> bool {
+        self.mode.is_lecture() || !self.folded.explanation
+    }
+
+    fn has_charts(&self) -> bool {
+        self.charts > 0 && !self.folded.charts
+    }
+
+    /// Least and usual width of the words beside the pictures, or height below them, in points; less where it is `tight`.
+    fn words(&self, side: Side, tight: bool) -> [f32; 2] {
+        let told = self.told_pt();
+        match (side, self.mode) {
+            (Side::Beside, _) if tight => [12.0 * told, 18.0 * told],
+            (Side::Below, _) if tight => [4.5 * told, 11.0 * told],
+            (Side::Beside, Mode::Working) => [19.0 * told, 26.0 * told],
+            (Side::Beside, _) if self.page.is_some() => [14.0 * told, 18.0 * told],
+            (Side::Beside, _) => [15.0 * told, 18.0 * told],
+            (Side::Below, Mode::Working) => [CHART_LETTERS[0] * self.type_pt, 15.0 * self.type_pt],
+            (Side::Below, _) if self.page.is_some() => [6.5 * told, 11.0 * told],
+            (Side::Below, _) if self.can_have_charts && !self.folded.charts => [8.5 * told, 11.0 * told],
+            (Side::Below, _) => [6.0 * told, 7.5 * told],
+        }
     }
 
     /// Gives everything its place.
     pub fn arrange(&self) -> Arrangement {
-        match self.mode {
-            Mode::Working => self.working(),
-            Mode::Lecture => self.lecture(),
-        }
-    }
-
-    fn working(&self) -> Arrangement {
-        let mut all = Arrangement::default();
-        let mut rest = self.body;
+        let mut all = Arrangement { is_presented: self.mode == Mode::Presenting, ..Arrangement::default() };
+        let mut body = self.body;
         if !self.folded.parameters && self.has_docked_parameters() {
-            let width = (20.0 * self.type_pt * self.shares.parameters).min(0.25 * rest.width());
-            let (left, right) = split_x(rest, width);
-            all.parameters = Some(left);
-            all.borders.push(Border {
-                rect: grip(right.min.x, left.y_range()),
-                of: Share::Parameters,
-                per_pt: vec2(1.0 / (20.0 * self.type_pt), 0.0),
-            });
-            rest = right;
+            body = self.dock(body, &mut all);
         }
-        let has_charts = self.columns() > 0;
-        let is_below = self.is_below();
-        if !self.folded.explanation || has_charts && !is_below {
-            let usual = within(0.26 * self.window.x, 23.0 * self.type_pt, 36.0 * self.type_pt);
-            let width = within(usual * self.shares.column, 18.0 * self.type_pt, 0.45 * self.window.x);
-            let (left, right) = split_x(rest, rest.width() - width - GAP);
-            all.borders.push(Border {
-                rect: grip(right.min.x, right.y_range()),
-                of: Share::Column,
-                per_pt: vec2(-1.0 / usual, 0.0),
-            });
-            rest = left;
-            self.column(right, has_charts && !is_below, &mut all);
-        }
-        if has_charts && is_below {
-            let usual = (0.28 * rest.height()).max(15.0 * self.type_pt);
-            let height = within(usual * self.shares.charts, 12.0 * self.type_pt, 0.6 * rest.height());
-            let (upper, lower) = split_y(rest, rest.height() - height - GAP);
-            all.borders.push(Border {
-                rect: Rect::from_x_y_ranges(lower.x_range(), lower.min.y - GRIP..=lower.min.y + GRIP),
-                of: Share::Charts,
-                per_pt: vec2(0.0, -1.0 / usual),
-            });
-            rest = upper;
-            all.charts = columns(lower, self.columns());
-        }
-        if !self.folded.parameters && !self.has_docked_parameters() {
-            self.drawer(Drawer::Parameters, &mut all);
-        }
-        self.stage(rest, &mut all);
-        all
-    }
-
-    /// Explanation and chart above each other.
-    fn column(&self, column: Rect, has_chart: bool, all: &mut Arrangement) {
-        match (self.folded.explanation, has_chart) {
-            (true, _) => all.charts = vec![column],
-            (false, false) => all.explanation = Some(column),
-            (false, true) => {
-                // The formula is seen without scrolling, as long as the chart stays legible.
-                let left = column.height() - self.explanation;
-                let usual = within(left, 0.34 * column.height(), 0.48 * column.height());
-                let height = within(usual * self.shares.charts, 0.25 * column.height(), 0.7 * column.height());
-                let (upper, lower) = split_y(column, column.height() - height - GAP);
-                all.explanation = Some(upper);
-                all.charts = vec![lower];
-                all.borders.push(Border {
-                    rect: Rect::from_x_y_ranges(lower.x_range(), lower.min.y - GRIP..=lower.min.y + GRIP),
-                    of: Share::Charts,
-                    per_pt: vec2(0.0, -1.0 / usual),
-                });
-            }
-        }
-    }
-
-    fn lecture(&self) -> Arrangement {
-        let mut all = Arrangement::default();
-        let mut rest = self.with_strip(&mut all);
-        if self.columns() > 0 {
-            let is_tall = rest.height() > 0.9 * rest.width();
-            let extent = if is_tall { rest.height() } else { rest.width() };
-            let share = match () {
-                () if self.tiles >= MANY_TILES => CHART_BESIDE_TILES,
-                () if self.is_beside_page => CHART_BESIDE_PAGE,
-                () => CHART_SHARE,
-            };
-            let usual = share * extent;
-            let length = within(usual * self.shares.charts, 0.25 * extent, 0.6 * extent);
-            let (first, second) = if is_tall {
-                split_y(rest, rest.height() - length - GAP)
-            } else {
-                split_x(rest, rest.width() - length - GAP)
-            };
-            let (rect, per_pt) = match is_tall {
-                true => (
-                    Rect::from_x_y_ranges(second.x_range(), second.min.y - GRIP..=second.min.y + GRIP),
-                    vec2(0.0, -1.0 / usual),
-                ),
-                false => (grip(second.min.x, second.y_range()), vec2(-1.0 / usual, 0.0)),
-            };
-            all.borders.push(Border { rect, of: Share::Charts, per_pt });
-            all.charts = vec![second];
-            rest = first;
-        }
-        if !self.folded.parameters {
-            self.drawer(Drawer::Parameters, &mut all);
-        }
-        if !self.folded.explanation {
-            self.drawer(Drawer::Explanation, &mut all);
-        }
-        self.stage(rest, &mut all);
-        all
-    }
-
-    /// Gives the strip its place, and returns the rest: beside a chart that takes the place of the stage, because most charts are
-    /// about as high as they are wide, and else below stage and chart.
-    fn with_strip(&self, all: &mut Arrangement) -> Rect {
-        let is_wide = self.body.width() > WIDE * self.body.height();
-        if self.is_enlarged && self.columns() > 0 && is_wide {
-            let (rest, strip) = split_x(self.body, (1.0 - STRIP_COLUMN) * self.body.width());
-            all.strip = Some(strip);
-            all.strip_room = StripRoom { kept: strip.height(), is_column: true };
-            return rest;
-        }
-        let [kept, most] = self.strip_heights();
-        let (rest, strip) = split_y(self.body, self.body.height() - within(self.strip, kept, most) - GAP);
-        all.strip = Some(strip);
-        all.strip_room = StripRoom { kept, is_column: false };
-        rest
-    }
-
-    /// Height that is kept for the strip, and the most that it may have: they follow from the window and not from the step, so
-    /// that the stage stays as it is from step to step.
-    fn strip_heights(&self) -> [f32; 2] {
-        let height = self.body.height();
-        // Stage and chart keep their share of the window.
-        let most = (height - LECTURE_SHARE * self.window.y - GAP).min(0.36 * height).max(0.3 * height).floor();
-        let kept = (STRIP_LETTERS * self.type_pt).max(STRIP_SHARE * height).min(most).floor();
-        [kept, (kept + STRIP_GROWTH * (height - kept)).min(most).floor()]
-    }
-
-    /// Gives the rest to the stage, or to the chart that takes its place.
-    fn stage(&self, rest: Rect, all: &mut Arrangement) {
-        if self.is_enlarged && !all.charts.is_empty() {
-            // What the charts had is the stage's place as well: the chart has both.
-            let first = all.charts[0];
-            let is_beside = self.mode == Mode::Lecture || self.is_below();
-            let whole = all.charts.iter().fold(rest, |sum, rect| sum.union(*rect));
-            all.charts = vec![if is_beside || all.explanation.is_none() { whole } else { rest }];
-            if !is_beside && let Some(explanation) = &mut all.explanation {
-                *explanation = explanation.union(first);
-            }
-            // The border of the place that the charts have left goes with it.
-            all.borders
-                .retain(|border| border.of != Share::Charts && !all.charts[0].contains_rect(border.rect.shrink(GRIP)));
+        if self.is_enlarged && self.has_charts() {
+            self.enlarge(body, &mut all);
         } else {
+            self.share(body, &mut all);
+        }
+        all
+    }
+
+    /// Gives the parameters a column at the left.
+    fn dock(&self, body: Rect, all: &mut Arrangement) -> Rect {
+        let usual = PARAMETERS_LETTERS * self.type_pt;
+        let width = (usual * self.shares.parameters).min(0.45 * body.width());
+        let (left, right) = split_x(body, width);
+        all.parameters = Some(left);
+        let per_pt = vec2(1.0 / usual, 0.0);
+        all.borders.push(Border { rect: grip(right.min.x, left.y_range()), of: Share::Parameters, per_pt });
+        right
+    }
+
+    /// A chart has the place of the pictures.
+    fn enlarge(&self, body: Rect, all: &mut Arrangement) {
+        let hidden = Room { charts: 0, ..*self };
+        if !self.is_told() && self.page.is_none() && self.question.is_none() {
+            all.charts = vec![body];
+            return;
+        }
+        let is_wide = body.width() > body.height();
+        let [_, usual] = self.words(if is_wide { Side::Beside } else { Side::Below }, false);
+        let (rest, words) = match is_wide {
+            true => split_x(body, body.width() - usual.min(0.45 * body.width()) - GAP),
+            false => split_y(body, body.height() - usual.min(0.45 * body.height()) - GAP),
+        };
+        all.charts = vec![rest];
+        hidden.tell(words, if is_wide { Side::Beside } else { Side::Below }, all);
+        self.cover(words, body, all);
+    }
+
+    /// Shares `body` out among pictures and words.
+    fn share(&self, body: Rect, all: &mut Arrangement) {
+        if !self.is_told() && self.page.is_none() && self.question.is_none() && !self.has_charts() {
+            let rest = if self.folded.parameters || all.parameters.is_some() { body } else { self.dock(body, all) };
             all.stage = Some(rest);
+            all.panes = Panes::Alike(self.pictures.split(rest));
+            return;
+        }
+        let Candidate { side, way, words: usual_words, .. } = self.best(body);
+        let extent = if side == Side::Beside { body.width() } else { body.height() };
+        let words = (usual_words * self.shares.column).clamp(0.2 * extent, 0.75 * extent);
+        let words = if self.shares.column == 1.0 { usual_words } else { words.round() };
+        if side == Side::Below && !self.folded.parameters && all.parameters.is_none() {
+            // The stage gives way to them: they never lie over a picture.
+            let rest = self.dock(body, all);
+            return self.share(rest, all);
+        }
+        let (stage, region, per_pt) = match side {
+            Side::Beside => {
+                let (stage, region) = split_x(body, body.width() - words - GAP);
+                (stage, region, vec2(-1.0, 0.0))
+            }
+            Side::Below => {
+                let (stage, region) = split_y(body, body.height() - words - GAP);
+                (stage, region, vec2(0.0, -1.0))
+            }
+        };
+        let rect = match side {
+            Side::Beside => grip(region.min.x, region.y_range()),
+            Side::Below => level_grip(region.min.y, region.x_range()),
+        };
+        all.borders.push(Border { rect, of: Share::Column, per_pt: per_pt / usual_words });
+        all.stage = Some(stage);
+        let panes = self.pictures.panes(way, stage);
+        let rest = match (way, panes.first()) {
+            (Way::Large, Some(large)) => {
+                let (small, legend, rest) = self.small_pictures(region, side);
+                all.panes = Panes::Large(*large, small, legend);
+                rest
+            }
+            _ => {
+                all.panes = Panes::Alike(panes);
+                region
+            }
+        };
+        self.tell(rest, side, all);
+        self.cover(rest, body, all);
+    }
+
+    /// The parameters come over the words where they have no place of their own.
+    fn cover(&self, words: Rect, body: Rect, all: &mut Arrangement) {
+        if self.folded.parameters || all.parameters.is_some() {
+            return;
+        }
+        let least = (16.0 * self.type_pt).min(0.45 * body.width());
+        let rect = if words.width() < least { words.with_min_x(words.max.x - least) } else { words };
+        all.parameters = Some(rect);
+        (all.page, all.told, all.question, all.charts) = (None, None, None, Vec::new());
+        all.borders.retain(|border| border.of == Share::Column);
+    }
+
+    /// The best way to share out the body; with less room for the words only where the pictures have their share in no other.
+    fn best(&self, body: Rect) -> Candidate {
+        let roomy = self.best_of(body, false);
+        if roomy.has_share { roomy } else { self.best_of(body, true) }
+    }
+
+    fn best_of(&self, body: Rect, tight: bool) -> Candidate {
+        let ways = self.pictures.ways();
+        let sides = [Side::Beside, Side::Below];
+        let all: Vec<Candidate> =
+            ways.iter().flat_map(|way| sides.map(|side| self.candidate(body, (side, tight), *way))).collect();
+        let better = |a: &&Candidate, b: &&Candidate| a.has_share.cmp(&b.has_share).then(a.all.total_cmp(&b.all));
+        let of = |is_large: bool| all.iter().filter(move |one| (one.way == Way::Large) == is_large).max_by(better);
+        let fallback = Candidate {
+            side: Side::Beside,
+            way: Way::Grid(1),
+            words: 0.4 * body.width(),
+            one: 0.0,
+            all: 0.0,
+            has_share: false,
+        };
+        match (of(false), of(true)) {
+            (Some(alike), Some(large)) if large.has_share && (!alike.has_share || alike.one < ALIKE * large.one) => {
+                *large
+            }
+            (Some(alike), _) => *alike,
+            (None, large) => large.copied().unwrap_or(fallback),
         }
     }
 
-    fn drawer(&self, drawer: Drawer, all: &mut Arrangement) {
-        let width = (24.0 * self.type_pt).min(0.46 * self.body.width());
-        let at = |min: f32| Rect::from_min_size(pos2(min, self.body.min.y), vec2(width, self.body.height()));
-        let rect = match (drawer, all.strip.filter(|_| !all.strip_room.is_column)) {
-            (Drawer::Parameters, _) => at(self.body.min.x),
-            // Sentence and formula stay in sight.
-            (Drawer::Explanation, Some(strip)) => at(self.body.max.x - width).with_max_y(strip.min.y - GAP),
-            (Drawer::Explanation, None) => at(self.body.max.x - width),
+    /// The words as large as they are by default, or as little less as the pictures need for their share; what the pictures cannot fill goes
+    /// to the words.
+    fn candidate(&self, body: Rect, (side, tight): (Side, bool), way: Way) -> Candidate {
+        let [least, usual] = self.words(side, tight);
+        let extent = if side == Side::Beside { body.width() } else { body.height() };
+        let (least, usual) = (least.min(0.45 * extent), usual.min(0.7 * extent));
+        let stage = |words: f32| match side {
+            Side::Beside => vec2(body.width() - words - GAP, body.height()),
+            Side::Below => vec2(body.width(), body.height() - words - GAP),
         };
-        match drawer {
-            Drawer::Parameters => all.parameters = Some(rect),
-            Drawer::Explanation => all.explanation = Some(rect),
+        let [area, height] = self.mode.least(self.page.is_some(), way);
+        let whole = self.window.x * self.window.y;
+        let pictures = &self.pictures;
+        let has_share = |words: f32| {
+            let fit = pictures.fit(way, stage(words));
+            let [columns, rows] = pictures.grid(way);
+            fit.x * fit.y * columns * rows >= area * whole || rows * fit.y >= height * self.window.y
+        };
+        const TRIES: usize = 12;
+        let tried = (0..=TRIES).map(|i| usual + (least - usual) * i as f32 / TRIES as f32);
+        let words = tried.clone().find(|words| has_share(*words)).unwrap_or(least.min(usual));
+        let fit = pictures.fit(way, stage(words));
+        let block = pictures.block(way, fit);
+        let filled = if side == Side::Beside { block.x } else { block.y };
+        let left = (extent - filled - GAP).min(MOST_WORDS * extent);
+        let words = words.max(left).round();
+        let fit = pictures.fit(way, stage(words));
+        let [columns, rows] = pictures.grid(way);
+        let one = fit.x * fit.y;
+        Candidate { side, way, words, one, all: one * columns * rows, has_share: has_share(words) }
+    }
+
+    /// The places of the pictures that are not the large one, of a legend beside them, and what is left of the words' region.
+    fn small_pictures(&self, region: Rect, side: Side) -> (Vec<Rect>, Option<Rect>, Rect) {
+        let Pictures { count, size, header, .. } = self.pictures;
+        let count = count.saturating_sub(1).max(1) as f32;
+        let aspect = size.0.max(1) as f32 / size.1.max(1) as f32;
+        let inside = region.shrink(MARGIN);
+        let least = SMALL_LETTERS * self.type_pt;
+        let across = (inside.width() - (count - 1.0) * PICTURE_GAP) / count;
+        let height = match side {
+            Side::Beside => (self.mode.small_share() * inside.height()).max(least).min(across / aspect),
+            Side::Below => (inside.height() - header).min(0.4 * across / aspect),
+        };
+        let each = vec2(height * aspect, height);
+        let at = |i: usize| inside.min + vec2(i as f32 * (each.x + PICTURE_GAP), header);
+        let small = (0..count as usize).map(|i| Rect::from_min_size(at(i), each)).collect();
+        let rest = match side {
+            Side::Beside => region.with_min_y(inside.min.y + header + height + MARGIN),
+            Side::Below => region.with_min_x(inside.min.x + count * (each.x + PICTURE_GAP) + MARGIN),
+        };
+        let end = inside.min + vec2(count * (each.x + PICTURE_GAP) + 2.0 * MARGIN, header);
+        let legend = Rect::from_min_max(end, pos2(inside.max.x, end.y + height));
+        let has_legend = side == Side::Beside && legend.width() >= LEGEND_LETTERS * self.type_pt;
+        (small, has_legend.then_some(legend), rest)
+    }
+
+    /// Shares the region of the words out among the page, what is told, and the charts.
+    fn tell(&self, region: Rect, side: Side, all: &mut Arrangement) {
+        // A region that is about as high as it is wide is a column, wherever it lies.
+        let side = if region.width() < COLUMN * region.height() { Side::Beside } else { side };
+        let rest = match self.page {
+            Some(LessonPage { height, is_read }) if self.is_told() || self.has_charts() => {
+                let (page, rest) = match side {
+                    Side::Beside => {
+                        let most = PAGE_SHARES[usize::from(is_read)] * region.height();
+                        split_y(region, within(height, (PAGE_LETTERS * self.type_pt).min(most), most))
+                    }
+                    Side::Below => split_x(region, 0.36 * region.width()),
+                };
+                all.page = Some(page);
+                rest
+            }
+            Some(_) if self.question.is_none() => {
+                all.page = Some(region);
+                return;
+            }
+            Some(_) => {
+                let (page, rest) = split_y(region, 0.6 * region.height());
+                all.page = Some(page);
+                rest
+            }
+            None => region,
+        };
+        let rest = match self.question {
+            // The chart would suggest an answer as well.
+            Some(Asking { is_open: true, .. }) => {
+                all.question = Some(rest);
+                return;
+            }
+            Some(Asking { height, .. }) => {
+                let (rest, question) = split_y(rest, rest.height() - height.min(0.5 * rest.height()) - GAP);
+                all.question = Some(question);
+                rest
+            }
+            None => rest,
+        };
+        match (self.is_told(), self.has_charts()) {
+            (true, false) => self.tell_in(rest, (side, rest.height()), all),
+            (false, _) => all.charts = columns(rest, self.columns(side)),
+            (true, true) => self.tell_and_plot(rest, side, all),
         }
-        all.drawers.push(rect);
+    }
+
+    /// How many charts are seen at once.
+    fn columns(&self, side: Side) -> usize {
+        let most = if side == Side::Below && self.window.x >= TWO_CHARTS && self.mode == Mode::Working { 2 } else { 1 };
+        self.charts.min(most)
+    }
+
+    fn tell_and_plot(&self, rest: Rect, side: Side, all: &mut Arrangement) {
+        let [chart_height, chart_width] = CHART_LETTERS.map(|letters| letters * self.type_pt);
+        let told_least = match side {
+            Side::Beside => 9.0 * self.told_pt(),
+            Side::Below => 24.0 * self.told_pt(),
+        };
+        let (extent, chart_least) = match side {
+            Side::Beside => (rest.height(), chart_height),
+            Side::Below => (rest.width(), chart_width),
+        };
+        let has_both =
+            extent >= told_least + chart_least && (side == Side::Beside || rest.height() >= 0.9 * chart_height);
+        all.alternates = !has_both;
+        if !has_both && !self.prefers_chart {
+            return self.tell_in(rest, (side, rest.height()), all);
+        }
+        let usual = match (side, has_both) {
+            // The formula is seen without scrolling, as long as the chart stays legible.
+            (Side::Beside, true) => within(extent - self.told, chart_least, 0.56 * extent),
+            (Side::Beside, false) => 0.6 * extent,
+            (Side::Below, _) => {
+                0.42 * extent * self.columns(side) as f32 / if self.columns(side) > 1 { 1.6 } else { 1.0 }
+            }
+        };
+        let most = if has_both { extent - told_least } else { 0.75 * extent };
+        let chart = within(usual * self.shares.charts, 0.8 * chart_least, most.min(0.75 * extent));
+        let (told, charts, border) = match side {
+            Side::Beside => {
+                let (told, charts) = split_y(rest, extent - chart - GAP);
+                (told, charts, level_grip(charts.min.y, charts.x_range()))
+            }
+            Side::Below => {
+                let (told, charts) = split_x(rest, extent - chart - GAP);
+                (told, charts, grip(charts.min.x, charts.y_range()))
+            }
+        };
+        let per_pt = if side == Side::Beside { vec2(0.0, -1.0 / usual) } else { vec2(-1.0 / usual, 0.0) };
+        all.borders.push(Border { rect: border, of: Share::Charts, per_pt });
+        let most =
+            if has_both && side == Side::Beside { (extent - chart_least).max(told.height()) } else { told.height() };
+        self.tell_in(told, (side, most), all);
+        all.charts = columns(charts, self.columns(side));
+    }
+
+    /// Gives the explanation its place, in which sentence and formula have at most `most` points of height.
+    fn tell_in(&self, told: Rect, (side, most): (Side, f32), all: &mut Arrangement) {
+        all.told = Some(told);
+        let is_sentence_alone = all.alternates && self.prefers_chart;
+        let has_tabs = all.alternates && !self.prefers_chart && !all.is_presented;
+        let most = if has_tabs { most - TABS_LETTERS * self.type_pt } else { most };
+        all.strip = (self.mode.is_lecture() && self.folded.explanation).then(|| StripRoom {
+            most,
+            type_pt: self.told_pt(),
+            is_column: side == Side::Beside || told.width() < 28.0 * self.told_pt(),
+            is_sentence_alone,
+        });
     }
 }
 
-/// What comes over an edge.
-#[derive(Clone, Copy)]
-enum Drawer {
-    /// From the left.
-    Parameters,
-    /// From the right.
-    Explanation,
+/// `rect` without a row of `height` at its bottom, and the row.
+pub fn with_row(rect: Rect, height: f32) -> (Rect, Rect) {
+    split_y(rect, rect.height() - height - GAP)
 }
 
 /// The interface scale that `wanted` is cut down to in a window of `size` in points at scale 1, so that everything has room
 /// with type of `type_pt`.
-pub fn zoom_that_fits(wanted: f32, size: Vec2, type_pt: f32) -> f32 {
-    let most = (size / (LEAST_LETTERS * type_pt)).min_elem();
+pub fn zoom_that_fits(wanted: f32, size: Vec2, type_pt: f32, mode: Mode) -> f32 {
+    let least = if mode == Mode::Presenting { LEAST_PRESENTED } else { LEAST_LETTERS };
+    let most = (size / (least * type_pt)).min_elem();
     // Hundredths, so that nothing flickers while the window is dragged.
     let most = (most * 100.0).floor() / 100.0;
     if most.is_finite() { wanted.min(most.max(0.2)) } else { wanted }
@@ -408,6 +789,10 @@ fn within(value: f32, least: f32, most: f32) -> f32 {
 
 fn grip(x: f32, y: eframe::egui::Rangef) -> Rect {
     Rect::from_x_y_ranges(x - GRIP..=x + GRIP, y)
+}
+
+fn level_grip(y: f32, x: eframe::egui::Rangef) -> Rect {
+    Rect::from_x_y_ranges(x, y - GRIP..=y + GRIP)
 }
 
 fn split_x(rect: Rect, width: f32) -> (Rect, Rect) {
@@ -429,124 +814,4 @@ fn columns(rect: Rect, count: usize) -> Vec<Rect> {
         Rect::from_x_y_ranges(left..=right, rect.y_range())
     };
     (0..count).map(one).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use eframe::egui::Pos2;
-
-    /// A window as it is with header and transport of usual heights.
-    fn room(size: Vec2, type_pt: f32, is_lecture: bool) -> Room {
-        let body = Rect::from_min_max(pos2(0.0, 2.6 * type_pt), (size - vec2(0.0, 3.6 * type_pt)).to_pos2());
-        Room {
-            body,
-            window: size,
-            type_pt,
-            mode: Mode::of(size, type_pt, is_lecture),
-            folded: Folded { parameters: true, ..Folded::default() },
-            charts: 3,
-            tiles: 0,
-            is_beside_page: false,
-            is_enlarged: false,
-            strip: 6.0 * type_pt,
-            explanation: 0.0,
-            shares: Shares::default(),
-        }
-    }
-
-    fn all_rooms() -> Vec<Room> {
-        let sizes = [[1024.0, 640.0], [1280.0, 720.0], [1920.0, 1080.0], [2560.0, 1440.0]];
-        let mut all = Vec::new();
-        for size in sizes.map(Vec2::from) {
-            for (type_pt, is_lecture) in [(14.0, false), (14.0, true), (21.0, true)] {
-                for charts in 0..4 {
-                    for fold in 0..8 {
-                        let folded =
-                            Folded { parameters: fold & 1 > 0, explanation: fold & 2 > 0, charts: fold & 4 > 0 };
-                        for is_enlarged in [false, true] {
-                            let zoom = zoom_that_fits(1.0, size, type_pt);
-                            all.push(Room { folded, charts, is_enlarged, ..room(size / zoom, type_pt, is_lecture) });
-                        }
-                    }
-                }
-            }
-        }
-        all
-    }
-
-    #[test]
-    fn nothing_lies_over_anything_but_drawers() {
-        for room in all_rooms() {
-            let all = room.arrange();
-            let panes = [all.stage, all.explanation, all.strip, all.parameters];
-            let panes: Vec<Rect> = panes.into_iter().flatten().chain(all.charts.iter().copied()).collect();
-            let covered: f32 = panes.iter().filter(|pane| !all.drawers.contains(pane)).map(|pane| pane.area()).sum();
-            assert!(covered > 0.97 * room.body.area(), "{all:?} leaves room in {room:?}");
-            for (i, pane) in panes.iter().enumerate() {
-                assert!(room.body.expand(0.5).contains_rect(*pane), "{pane:?} leaves {room:?}");
-                assert!(pane.width() > 8.0 * room.type_pt, "{pane:?} in {room:?}");
-                assert!(pane.height() >= 2.9 * room.type_pt, "{pane:?} in {room:?}");
-                for other in panes[..i].iter().filter(|_| !all.drawers.contains(pane)) {
-                    let is_over = !all.drawers.contains(other) && other.shrink(0.5).intersects(*pane);
-                    assert!(!is_over, "{pane:?} and {other:?} in {room:?}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn the_stage_has_most_of_the_window() {
-        for size in [vec2(1280.0, 720.0), vec2(1920.0, 1080.0)] {
-            let share = |room: Room| {
-                let all = room.arrange();
-                let stage = all.stage.map_or(0.0, |rect| rect.area());
-                [stage, stage + all.charts.iter().map(|rect| rect.area()).sum::<f32>()]
-                    .map(|area| area / size.x / size.y)
-            };
-            let shares = share(Room { folded: Folded::default(), ..room(size, 14.0, false) });
-            assert!(shares[0] > 0.44, "{shares:?} of {size:?}");
-            for type_pt in [14.0, 21.0] {
-                let lecture = share(room(size, type_pt, true));
-                assert!(lecture[1] > 0.6, "{lecture:?} of {size:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn the_stage_of_a_lecture_keeps_its_height_however_much_a_step_tells() {
-        for size in [vec2(1024.0, 640.0), vec2(1280.0, 720.0), vec2(1920.0, 1080.0), vec2(2560.0, 1440.0)] {
-            for type_pt in [14.0, 21.0] {
-                let lecture = room(size, type_pt, true);
-                let height = |lines: f32| {
-                    let all = Room { strip: 1.3 * type_pt * lines, ..lecture }.arrange();
-                    all.stage.map_or(0.0, |stage| stage.height())
-                };
-                let heights = [0.0, 3.0, 5.0, 7.0, 20.0].map(height);
-                assert_eq!(heights[0], heights[2], "five lines always have room in {size:?} at {type_pt}");
-                assert!(heights[4] >= 0.89 * heights[0], "{heights:?} in {size:?} at {type_pt}");
-            }
-        }
-    }
-
-    #[test]
-    fn small_windows_have_smaller_type() {
-        assert_eq!(zoom_that_fits(1.0, vec2(1280.0, 720.0), 21.0), 1.0);
-        let zoom = zoom_that_fits(1.0, vec2(213.0, 160.0), 14.0);
-        assert!(vec2(213.0, 160.0).x / zoom >= LEAST_LETTERS.x * 14.0 && zoom > 0.2, "{zoom}");
-    }
-
-    #[test]
-    fn dragging_a_border_makes_room_where_it_leads() {
-        let before = room(vec2(1920.0, 1080.0), 14.0, false);
-        for border in before.arrange().borders {
-            let mut shares = before.shares;
-            *shares.of(border.of) += border.per_pt.x * 40.0 + border.per_pt.y * 40.0;
-            let after = Room { shares, ..before }.arrange();
-            let at = |all: &[Border]| all.iter().map(|b| b.rect.min).collect::<Vec<Pos2>>();
-            let moved =
-                at(&after.borders).iter().zip(at(&before.arrange().borders)).any(|(a, b)| (*a - b).max_elem() > 20.0);
-            assert!(moved, "{border:?}");
-        }
-    }
 }

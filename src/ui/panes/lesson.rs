@@ -4,14 +4,16 @@ use std::sync::Arc;
 
 use eframe::egui::{
     Align, Button, CursorIcon, Galley, Layout, Rect, RichText, ScrollArea, Sense, Stroke, TextStyle, Ui, UiBuilder,
-    pos2, vec2,
+    vec2,
 };
 use lucide_icons::Icon;
 use motionscope_core::Direction;
 
 use super::explanation::Part;
 use super::glossary::Beside;
+use crate::paint::Primitive;
 use crate::paint::Theme;
+use crate::paint::charts::explanation::Block;
 use crate::paint::charts::prose::{self, Prose};
 use crate::session::lesson::Address;
 use crate::ui::app::action::{Action, Actions};
@@ -21,12 +23,6 @@ use crate::ui::drawing::{ink, style};
 use crate::ui::model::lesson::OpenLesson;
 use crate::ui::parts::widgets;
 
-/// Width of the page, in sizes of its type, and as shares of the window.
-const LETTERS: f32 = 25.0;
-const SHARES: [f32; 2] = [0.22, 0.31];
-/// Letters across below which the page stands above the other panes, and its share of their height.
-const NARROW_LETTERS: f32 = 44.0;
-const HEIGHT_SHARE: f32 = 0.36;
 /// Around the words, in points.
 const MARGIN: f32 = 16.0;
 
@@ -38,13 +34,54 @@ pub struct State {
     page: Option<Address>,
     /// Whether the notes are in the presenter's window, so that the class does not see them.
     pub has_notes_elsewhere: bool,
+    /// How far the words are scrolled, and how far they are to be.
+    offset: f32,
+    wanted: Option<f32>,
+    /// Height of what is seen of the words, and of all.
+    seen: [f32; 2],
+    /// Height of the whole pane with all of its words.
+    needed: f32,
+}
+
+impl State {
+    /// Height of the pane with all of its words, in points, as it was shown last.
+    pub fn needed(&self) -> f32 {
+        self.needed
+    }
+
+    /// Whether words of the page follow below those that are seen.
+    pub fn has_more(&self) -> bool {
+        let [seen, all] = self.seen;
+        self.offset + seen < all - 1.0
+    }
+
+    /// Goes on to the words that are not seen yet, or back; gives whether there are any.
+    pub fn read(&mut self, way: Direction) -> bool {
+        let [seen, all] = self.seen;
+        let rows = self.laid_out.as_ref().map_or(&[][..], |page| &page.rows);
+        let to = match way {
+            Direction::Forward if self.has_more() => {
+                let next = rows.iter().find(|[_, bottom]| *bottom > self.offset + seen + 0.5).map(|[top, _]| *top);
+                next.unwrap_or(all).max(self.offset + 1.0)
+            }
+            Direction::Back if self.offset > 0.0 => {
+                let from = self.offset - seen;
+                rows.iter().map(|[top, _]| *top).find(|top| *top >= from).filter(|_| from > 0.0).unwrap_or(0.0)
+            }
+            _ => return false,
+        };
+        self.wanted = Some(to);
+        true
+    }
 }
 
 /// A page as it is shown.
 struct LaidOut {
     prose: Prose,
-    key: Key,
+    key: Option<Key>,
     words: Part,
+    /// Top and bottom of each row of words or formulas.
+    rows: Vec<[f32; 2]>,
     /// Where each link stands, and where it leads.
     links: Vec<(Rect, String)>,
 }
@@ -56,17 +93,6 @@ struct Key {
     theme: Theme,
     pixels_per_point: f32,
     atlas: u64,
-}
-
-/// The page, and what is left of `all` for the other panes, with type of `type_pt`.
-pub fn split(all: Rect, type_pt: f32) -> [Rect; 2] {
-    if all.width() < NARROW_LETTERS * type_pt {
-        let y = all.min.y + (HEIGHT_SHARE * all.height()).round();
-        return [all.with_max_y(y), all.with_min_y(y + 1.0)];
-    }
-    let [least, most] = SHARES.map(|share| share * all.width());
-    let x = all.min.x + (LETTERS * type_pt).clamp(least, most).round();
-    [all.with_max_x(x), all.with_min_x(x + 1.0)]
 }
 
 /// What the pane shows.
@@ -87,69 +113,105 @@ pub fn show(ui: &mut Ui, rect: Rect, input: Input<'_>, state: &mut State, action
     let chrome = theme.chrome();
     ui.painter().rect_filled(rect, 0.0, style::color(chrome.panel));
     let line = Stroke::new(1.0, style::color(chrome.line));
-    match rect.height() < ui.max_rect().height() {
-        true => ui.painter().hline(rect.x_range(), rect.max.y + 0.5, line),
-        false => ui.painter().vline(rect.max.x + 0.5, rect.y_range(), line),
-    };
+    ui.painter().hline(rect.x_range(), rect.max.y + 0.5, line);
+    ui.painter().vline(rect.max.x + 0.5, rect.y_range(), line);
     let inside = rect.shrink2(vec2(MARGIN, 8.0));
     let mut ui = ui.new_child(UiBuilder::new().id_salt("lesson").max_rect(inside));
     ui.set_clip_rect(ui.clip_rect().intersect(rect));
-    head(&mut ui, open, back, actions);
-    let footer = ui.spacing().interact_size.y + 8.0;
+    head(&mut ui, (open, back, !state.has_notes_elsewhere), actions);
+    let more = (1.2 * TextStyle::Body.resolve(ui.style()).size).round();
     let ending = open.is_over.then(|| laid_out_ending(&ui, open, inside.width()));
-    let ending_height = ending.as_ref().map_or(0.0, |text| text.size().y + 8.0);
-    let height = (ui.available_height() - footer - ending_height).max(40.0);
-    let scroll = ScrollArea::vertical().id_salt("page").auto_shrink(false).max_height(height);
+    let below = ending.as_ref().map_or(more, |text| text.size().y + 4.0);
+    let height = (ui.available_height() - below).max(40.0);
     let turned = state.page.as_ref() != Some(open.address());
     state.page = Some(open.address().clone());
-    let scroll = if turned { scroll.vertical_scroll_offset(0.0) } else { scroll };
-    scroll.show(&mut ui, |ui| {
+    let wanted = if turned { Some(0.0) } else { state.wanted.take() };
+    let offset = wanted.unwrap_or(state.offset);
+    // No row is cut at the bottom.
+    let rows = state.laid_out.as_ref().map_or(&[][..], |page| &page.rows);
+    let cut = rows.iter().find(|[top, bottom]| *top < offset + height && *bottom > offset + height + 0.5);
+    let seen = cut.map_or(height, |[top, _]| top - offset).clamp(0.5 * height, height);
+    let scroll = ScrollArea::vertical().id_salt("page").auto_shrink(false).max_height(seen);
+    let scroll = if let Some(offset) = wanted { scroll.vertical_scroll_offset(offset) } else { scroll };
+    let scrolled = scroll.show(&mut ui, |ui| {
         words(ui, (open, theme, beside), state, actions);
+        let end = ui.cursor().min.y;
         if open.has_notes && !state.has_notes_elsewhere && !open.page().notes.is_empty() {
             ui.add_space(12.0);
             widgets::heading(ui, "Notes");
             ui.label(RichText::new(&open.page().notes).weak());
         }
+        // A page of words begins with a row wherever it is.
+        ui.add_space((seen - (ui.cursor().min.y - end)).max(0.0));
+        end
     });
-    let foot = Rect::from_min_max(pos2(inside.min.x, inside.max.y - footer + 8.0), inside.max);
-    if let Some(text) = ending {
-        let above = Rect::from_min_size(pos2(inside.min.x, foot.min.y - ending_height), text.size());
-        widgets::inside(&mut ui, above, Layout::left_to_right(Align::Center)).label(text);
+    let all = scrolled.inner + scrolled.state.clamped_offset().y - scrolled.inner_rect.min.y;
+    let around = scrolled.inner_rect.min.y - rect.min.y + below + 8.0;
+    let before = (state.offset, state.seen, state.needed);
+    (state.offset, state.seen) = (scrolled.state.clamped_offset().y, [seen, all]);
+    state.needed = (around + all).ceil();
+    if before != (state.offset, state.seen, state.needed) {
+        ui.ctx().request_discard("the page needs another height");
     }
-    footer_row(
-        &mut widgets::inside(&mut ui, foot, Layout::left_to_right(Align::Center)),
-        (open, !state.has_notes_elsewhere),
-        actions,
-    );
+    let foot = inside.with_min_y(inside.max.y - below);
+    if let Some(text) = ending {
+        widgets::inside(&mut ui, foot, Layout::left_to_right(Align::Center)).label(text);
+    } else if state.has_more() {
+        let row = &mut widgets::inside(&mut ui, foot, Layout::right_to_left(Align::Center));
+        row.spacing_mut().interact_size.y = more;
+        row.spacing_mut().button_padding.y = 0.0;
+        let button = Button::new((widgets::icon(row, Icon::ChevronDown), RichText::new("more").small()));
+        if row.add(button).on_hover_text("The page goes on: → shows the rest before it steps.").clicked() {
+            state.read(Direction::Forward);
+        }
+    }
 }
 
-/// The title of the lesson, the way back to the page before it and the way out of it.
-fn head(ui: &mut Ui, open: &OpenLesson, back: Option<&str>, actions: &mut Actions) {
-    ui.horizontal(|ui| {
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if widgets::cross(ui, "Close lesson").clicked() {
-                actions.command(Command::CloseLesson);
-            }
-            let list = widgets::icon_button(ui, Command::Lessons.info().icon, "Lessons", false);
-            if list.on_hover_text(Command::Lessons.with_key("All lessons")).clicked() {
-                actions.command(Command::Lessons);
-            }
-            if let Some(page) = back {
-                let name = format!("Back to {page}");
-                let way_back = widgets::icon_button(ui, Command::BackToPage.info().icon, &name, false);
-                if way_back.on_hover_text(Command::BackToPage.with_key(&name)).clicked() {
-                    actions.command(Command::BackToPage);
-                }
-            }
-            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                let title = RichText::new(&open.lesson().title).small().weak();
-                ui.add(eframe::egui::Label::new(title).truncate());
-            });
-        });
-    });
+/// The title of the page, the ways to those around it, and the way out of the lesson.
+fn head(ui: &mut Ui, (open, back, has_notes): (&mut OpenLesson, Option<&str>, bool), actions: &mut Actions) {
+    let row = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), ui.spacing().interact_size.y));
+    let buttons = &mut widgets::inside(ui, row, Layout::right_to_left(Align::Center));
+    buttons.spacing_mut().item_spacing.x = 2.0;
+    if widgets::cross(buttons, "Close lesson").clicked() {
+        actions.command(Command::CloseLesson);
+    }
+    let list = widgets::icon_button(buttons, Command::Lessons.info().icon, "Lessons", false);
+    if list.on_hover_text(Command::Lessons.with_key("All lessons")).clicked() {
+        actions.command(Command::Lessons);
+    }
+    if has_notes && !open.page().notes.is_empty() {
+        let notes = widgets::icon_button(buttons, Icon::StickyNote, "Notes", open.has_notes);
+        if notes.on_hover_text("Notes for the teacher").clicked() {
+            open.has_notes = !open.has_notes;
+        }
+    }
+    if let Some(page) = back {
+        let name = format!("Back to {page}");
+        let way_back = widgets::icon_button(buttons, Command::BackToPage.info().icon, &name, false);
+        if way_back.on_hover_text(Command::BackToPage.with_key(&name)).clicked() {
+            actions.command(Command::BackToPage);
+        }
+    }
+    let mut way = |ui: &mut Ui, command: Command, is_there: bool| {
+        let (icon, name) = (command.info().icon, command.info().text);
+        if ui.add_enabled_ui(is_there, |ui| widgets::icon_button(ui, icon, name, false)).inner.clicked() {
+            actions.command(command);
+        }
+    };
+    way(buttons, Command::NextPage, !open.is_at(Direction::Forward));
+    let place = buttons.label(format!("{} of {}", open.address().page + 1, open.lesson().pages.len()));
+    place.on_hover_text(&open.lesson().title);
+    way(buttons, Command::PreviousPage, !open.is_at(Direction::Back));
     let font = eframe::egui::FontId::new(TextStyle::Heading.resolve(ui.style()).size, style::bold());
-    ui.label(RichText::new(&open.page().title).font(font));
-    ui.add_space(4.0);
+    let width = buttons.min_rect().min.x - row.min.x - ui.spacing().item_spacing.x;
+    let title = ui.painter().layout(open.page().title.clone(), font, ui.visuals().strong_text_color(), width);
+    let size = vec2(width, title.size().y.max(row.height()));
+    let named = ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
+        ui.set_min_size(size);
+        ui.label(title)
+    });
+    named.inner.on_hover_text(&open.lesson().title);
+    ui.add_space(2.0);
 }
 
 /// The words of the page, or what is wrong with it.
@@ -174,13 +236,14 @@ fn words(
         pixels_per_point: ui.pixels_per_point(),
         atlas: ink::atlas(ui.ctx()),
     };
-    if state.laid_out.as_ref().is_none_or(|before| before.key != key || before.prose != *prose) {
+    if state.laid_out.as_ref().is_none_or(|before| before.key.as_ref() != Some(&key) || before.prose != *prose) {
         let page = prose::lay_out(prose, width, theme.sizes().body, theme);
         let session = open.page().session.as_ref().ok();
         let family = session.map_or("", |session| session.experiment.estimator.info().family);
+        let rows = rows(&page.block);
         let links = page.links.into_iter().map(|(rect, to)| (rect_from(rect), to)).collect();
         let words = Part::new(ui.painter(), page.block, family);
-        state.laid_out = Some(LaidOut { prose: prose.clone(), key, words, links });
+        state.laid_out = Some(LaidOut { prose: prose.clone(), key: Some(key), words, rows, links });
     }
     let Some(LaidOut { words, links, .. }) = &state.laid_out else { return };
     let by = ui.cursor().min.to_vec2();
@@ -195,6 +258,24 @@ fn words(
     }
 }
 
+/// Top and bottom of each row of text in a block: parts of a formula that stand above each other are one row.
+fn rows(block: &Block) -> Vec<[f32; 2]> {
+    let of = |primitive: &Primitive| match primitive {
+        Primitive::Text(line) => Some([line.at[1] - 0.95 * line.size, line.at[1] + 0.3 * line.size]),
+        _ => None,
+    };
+    let mut all: Vec<[f32; 2]> = block.primitives.iter().filter_map(of).collect();
+    all.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut rows: Vec<[f32; 2]> = Vec::new();
+    for [top, bottom] in all {
+        match rows.last_mut() {
+            Some(last) if top < last[1] => last[1] = last[1].max(bottom),
+            _ => rows.push([top, bottom]),
+        }
+    }
+    rows
+}
+
 /// The line that says what → does at the end of the lesson, wrapped to `width`.
 fn laid_out_ending(ui: &Ui, open: &OpenLesson, width: f32) -> Arc<Galley> {
     let text = open.next().map_or_else(|| "End of the lesson".to_owned(), |next| format!("→ again: {}", next.title));
@@ -202,42 +283,26 @@ fn laid_out_ending(ui: &Ui, open: &OpenLesson, width: f32) -> Arc<Galley> {
     ui.painter().layout(text, font, ui.visuals().strong_text_color(), width)
 }
 
-/// Back, which page it is, on, and the notes where they may be seen.
-fn footer_row(ui: &mut Ui, (open, has_notes): (&mut OpenLesson, bool), actions: &mut Actions) {
-    let way = |ui: &mut Ui, command: Command, is_there: bool| {
-        let (icon, name) = (command.info().icon, command.info().text);
-        ui.add_enabled_ui(is_there, |ui| widgets::icon_button(ui, icon, name, false)).inner.clicked()
-    };
-    if way(ui, Command::PreviousPage, !open.is_at(Direction::Back)) {
-        actions.command(Command::PreviousPage);
-    }
-    ui.label(format!("{} of {}", open.address().page + 1, open.lesson().pages.len()));
-    if way(ui, Command::NextPage, !open.is_at(Direction::Forward)) {
-        actions.command(Command::NextPage);
-    }
-    if has_notes && !open.page().notes.is_empty() {
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let notes = Button::new(RichText::new("Notes").small()).selected(open.has_notes);
-            if ui.add(notes).on_hover_text("Notes for the teacher").clicked() {
-                open.has_notes = !open.has_notes;
-            }
-        });
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn the_page_leaves_most_of_the_window_to_the_stage() {
-        for (size, type_pt) in [((1280.0, 640.0), 21.0), ((1920.0, 1000.0), 21.0), ((1920.0, 1000.0), 14.0)] {
-            let all = Rect::from_min_size(pos2(0.0, 40.0), size.into());
-            let [page, rest] = split(all, type_pt);
-            assert!(page.width() >= 0.219 * size.0 && rest.width() >= 0.65 * size.0, "{size:?}: {page:?}");
-            assert_eq!((page.height(), rest.height()), (size.1, size.1));
+    fn words_are_read_on_from_the_first_row_that_was_not_whole_and_back() {
+        let rows: Vec<[f32; 2]> = (0..10).map(|i| [20.0 * i as f32, 20.0 * i as f32 + 18.0]).collect();
+        let laid_out = LaidOut { rows, prose: Prose::default(), key: None, words: Part::default(), links: Vec::new() };
+        let mut state = State { laid_out: Some(laid_out), seen: [70.0, 198.0], ..State::default() };
+        let mut offsets = Vec::new();
+        while state.read(Direction::Forward) {
+            state.offset = state.wanted.take().unwrap_or_default();
+            offsets.push(state.offset);
         }
-        let [page, rest] = split(Rect::from_min_size(pos2(0.0, 0.0), vec2(640.0, 480.0)), 21.0);
-        assert!(page.width() == 640.0 && rest.height() > 300.0, "above where the window is narrow");
+        assert_eq!(offsets, [60.0, 120.0, 180.0], "each begins with the row that was cut");
+        let mut back = 0;
+        while state.read(Direction::Back) {
+            state.offset = state.wanted.take().unwrap_or_default();
+            back += 1;
+        }
+        assert_eq!((back, state.offset), (3, 0.0));
     }
 }

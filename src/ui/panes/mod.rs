@@ -153,8 +153,6 @@ pub struct Panes<'a> {
     pub asks_for_trust: bool,
     /// What the panes remember.
     pub states: &'a mut States,
-    /// Whether a question is open: explanation and charts are of the last result, and would suggest an answer to the next.
-    pub is_asked: bool,
     /// The charts of the step that is explained.
     pub of_step: Vec<&'static Pane>,
     /// Which charts are looked at.
@@ -213,35 +211,40 @@ impl Panes<'_> {
     /// Shows everything where `all` says.
     pub fn show(&mut self, ui: &mut Ui, all: &Arrangement) {
         if let Some(rect) = all.stage {
-            let margin = Margin { left: 8, right: 8, top: 4, bottom: 2 };
-            self.within(ui, rect, margin, "pictures", |panes, ui| panes.stage(ui));
+            // Small pictures stand outside of it.
+            let mut inside = ui.new_child(UiBuilder::new().id_salt("pictures").max_rect(rect));
+            self.stage(&mut inside, &all.panes);
         }
-        self.charts(ui, &all.charts);
-        if let Some(rect) = all.strip {
-            self.within(ui, rect, Margin { left: 16, right: 16, top: 6, bottom: 2 }, "strip", |panes, ui| {
-                panes.strip(ui, all.strip_room)
-            });
+        self.charts(ui, all);
+        if let Some(rect) = all.told {
+            self.told(ui, rect, all);
         }
-        let is_drawer = |rect: &Rect| all.drawers.contains(rect);
-        if let Some(rect) = all.explanation.filter(|rect| !is_drawer(rect)) {
-            self.column(ui, rect, true);
-        }
-        if let Some(rect) = all.parameters.filter(|rect| !is_drawer(rect)) {
+        if let Some(rect) = all.parameters {
             self.parameters(ui, rect);
         }
         for border in &all.borders {
             self.border(ui, border);
         }
-        // What lies over others comes last.
-        for rect in &all.drawers {
-            self.drawer(ui, *rect);
-            if all.parameters == Some(*rect) {
-                self.parameters(ui, *rect);
-            } else {
-                // The strip shows the sentence.
-                self.column(ui, *rect, all.strip.is_none());
+    }
+
+    /// What is told of the step: all of it, or the sentence and the formula.
+    fn told(&mut self, ui: &mut Ui, rect: Rect, all: &Arrangement) {
+        let room = all.strip;
+        let margin = Margin { left: 12, right: 8, top: if room.is_some() { 6 } else { 8 }, bottom: 2 };
+        self.within(ui, rect, margin, "told", |panes, ui| {
+            if panes.is_stale() {
+                ui.multiply_opacity(0.4);
             }
-        }
+            match room {
+                Some(room) if all.has_tabs() => {
+                    let (above, row) = layout::with_row(ui.available_rect_before_wrap(), ui.spacing().interact_size.y);
+                    panes.strip(&mut ui.new_child(UiBuilder::new().id_salt("above").max_rect(above)), room);
+                    panes.tabs_of_formula(&mut ui.new_child(UiBuilder::new().id_salt("tabs").max_rect(row)));
+                }
+                Some(room) => panes.strip(ui, room),
+                None => panes.explanation(ui),
+            }
+        });
     }
 
     /// Shows `add` inside `rect`, from which nothing reaches out.
@@ -267,29 +270,6 @@ impl Panes<'_> {
             let input = parameters::Input { document, placing, theme };
             parameters::show(ui, input, &mut panes.states.parameters, panes.actions);
         });
-    }
-
-    /// The explanation, with the sentence or without.
-    fn column(&mut self, ui: &mut Ui, rect: Rect, has_sentence: bool) {
-        let margin = Margin { left: 16, right: 10, top: 8, bottom: 0 };
-        self.within(ui, rect, margin, "explanation", |panes, ui| {
-            if panes.is_stale() {
-                ui.multiply_opacity(0.4);
-            }
-            if panes.is_asked {
-                return hidden(ui);
-            }
-            panes.explanation(ui, has_sentence);
-        });
-    }
-
-    /// What lies under a pane that comes over the edge: nothing below it is pointed at.
-    fn drawer(&self, ui: &mut Ui, rect: Rect) {
-        let chrome = self.look.theme.chrome();
-        ui.interact(rect, ui.scope_id().with(("drawer", rect.min.x as i32)), Sense::click_and_drag());
-        ui.painter().add(ui.visuals().popup_shadow.as_shape(rect, 0.0));
-        ui.painter().rect_filled(rect, 0.0, style::color(chrome.panel));
-        ui.painter().rect_stroke(rect, 0.0, Stroke::new(1.0, style::color(chrome.line)), egui::StrokeKind::Inside);
     }
 
     /// A line between two panes that can be dragged.
@@ -319,8 +299,7 @@ impl Panes<'_> {
         }
     }
 
-    fn stage(&mut self, ui: &mut Ui) {
-        self.banners(ui);
+    fn stage(&mut self, ui: &mut Ui, panes: &layout::Panes) {
         let Some(shown) = &self.view.shown else {
             self.nothing_yet(ui);
             return;
@@ -355,6 +334,8 @@ impl Panes<'_> {
                 has_loupe: self.presented.has_loupe,
                 is_bare: self.presented.is_bare,
             },
+            panes,
+            is_search: shown.subject.experiment.estimator.tests_candidates(),
         };
         let response = stage::show(ui, input, &mut self.states.stage);
         let is_meant = self.states.pointing.is_meant(ui, shown.cursor);
@@ -447,8 +428,8 @@ impl Panes<'_> {
         }
     }
 
-    /// What is going on and what went wrong, where the person is looking.
-    fn banners(&mut self, ui: &mut Ui) {
+    /// What is going on and what went wrong, above the pictures.
+    pub fn banners(&mut self, ui: &mut Ui) {
         if let Some(loading) = self.loading {
             self.opening(ui, loading);
         }
@@ -546,12 +527,12 @@ impl Panes<'_> {
         });
     }
 
-    fn explanation(&mut self, ui: &mut Ui, has_sentence: bool) {
+    fn explanation(&mut self, ui: &mut Ui) {
         match &self.view.shown {
             Some(shown) => {
                 let beside = Beside::new(&shown.scene, self.explained(shown).0.family, self.look.theme);
                 let input = self.explanation_input(shown, &beside);
-                explanation::show(ui, (input, has_sentence), &mut self.states.explanation);
+                explanation::show(ui, input, &mut self.states.explanation);
                 self.states.stage.point_out(beside.pointed());
             }
             None => empty(ui, &self.before("No step is explained")),
@@ -560,9 +541,7 @@ impl Panes<'_> {
 
     /// Sentence and formula.
     fn strip(&mut self, ui: &mut Ui, room: explanation::StripRoom) {
-        if self.is_asked {
-            hidden(ui);
-        } else if let Some(shown) = &self.view.shown {
+        if let Some(shown) = &self.view.shown {
             let beside = Beside::new(&shown.scene, self.explained(shown).0.family, self.look.theme);
             let input = self.explanation_input(shown, &beside);
             explanation::strip(ui, (input, room), &mut self.states.strip);
@@ -593,14 +572,6 @@ fn sentence(error: &Error, clip: Option<&Clip>) -> String {
     let text = if is_word && !named { capital(&text) } else { text };
     let end = if text.ends_with(['.', '!', '?']) { "" } else { "." };
     text + end
-}
-
-/// The text of a pane that an open question hides.
-pub const HIDDEN: &str = "Hidden until the result is revealed.";
-
-/// The placeholder of an explanation or a chart while a question is open.
-fn hidden(ui: &mut Ui) {
-    empty(ui, HIDDEN);
 }
 
 /// A pane with nothing in it says why.

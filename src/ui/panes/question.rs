@@ -1,6 +1,6 @@
-//! The bar of a question: its text, the answers with the hands for each, and the way to the result.
+//! The pane of a question: its text, the answers with the hands for each, and the way to the result.
 
-use eframe::egui::{self, Align, Button, Layout, RichText, TextEdit, TextStyle, Ui, WidgetInfo, vec2};
+use eframe::egui::{self, Button, RichText, TextEdit, TextStyle, Ui, WidgetInfo, vec2};
 use lucide_icons::Icon;
 use motionscope_core::{Cursor, capital};
 
@@ -18,9 +18,11 @@ pub struct State {
     typed: String,
     /// The question that it was typed for, and its step.
     of: Option<(&'static str, Cursor)>,
+    /// Height of all of it, in points, as it was shown last.
+    needed: f32,
 }
 
-/// The inputs of the bar.
+/// The inputs of the pane.
 pub struct Input<'a> {
     /// The question that is open, or the last one.
     pub predict: &'a Predict,
@@ -30,40 +32,46 @@ pub struct Input<'a> {
     pub theme: Theme,
 }
 
-/// Draws the bar into the whole width of `ui`. It is as high without a question as with one, so that the stage stays where it is.
+/// Draws the question below each other: its text, the ways to answer, and the way to the result.
 pub fn show(ui: &mut Ui, input: &Input<'_>, state: &mut State, actions: &mut Actions) {
     let Input { predict, is_lockstep, theme } = *input;
-    let size = TextStyle::Body.resolve(ui.style()).size;
-    ui.spacing_mut().item_spacing = vec2(8.0, 4.0);
-    ui.set_min_height(2.0 * ui.spacing().interact_size.y + 4.0);
-    ui.horizontal(|ui| {
-        let accent = style::color(theme.chrome().accent);
-        ui.label(widgets::icon(ui, Icon::CircleQuestionMark).color(accent));
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+    let top = ui.cursor().min.y;
+    ui.spacing_mut().item_spacing = vec2(8.0, 6.0);
+    let room = ui.available_height().max(1.0);
+    // In the smallest windows it is scrolled.
+    let scroll = egui::ScrollArea::vertical().id_salt("question").auto_shrink(false).max_height(room);
+    let shown = scroll.show(ui, |ui| {
+        ui.horizontal_top(|ui| {
+            let accent = style::color(theme.chrome().accent);
+            ui.label(widgets::icon(ui, Icon::CircleQuestionMark).color(accent));
+            ui.add(egui::Label::new(RichText::new(title(predict)).family(style::bold())).wrap());
+        });
+        match (predict.open(), predict.last()) {
+            (Some(open), _) => {
+                let is_new = state.is_for(open);
+                ui.horizontal_wrapped(|ui| ways(ui, open, (theme, state, is_new), actions));
+            }
+            (None, Some(answered)) => outcome(ui, answered, theme),
+            (None, None) => {
+                let dim = style::color(theme.chrome().dim);
+                ui.add(egui::Label::new(RichText::new(idle(is_lockstep)).color(dim)).wrap());
+            }
+        }
+        ui.horizontal_wrapped(|ui| {
             if predict.open().is_some() {
                 reveal(ui, theme, actions);
             }
             tally(ui, predict, theme);
-            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                let text = RichText::new(title(predict)).size(size).family(style::bold());
-                ui.add(egui::Label::new(text).truncate());
-            });
         });
+        ui.cursor().min.y
     });
-    match (predict.open(), predict.last()) {
-        (Some(open), _) => {
-            let is_new = state.is_for(open);
-            ui.horizontal_wrapped(|ui| ways(ui, open, (theme, state, is_new), actions));
-        }
-        (None, Some(answered)) => outcome(ui, answered, theme),
-        (None, None) => {
-            let dim = style::color(theme.chrome().dim);
-            ui.label(RichText::new(idle(is_lockstep)).color(dim));
-        }
+    let needed = (shown.inner + shown.state.clamped_offset().y - top).ceil();
+    if std::mem::replace(&mut state.needed, needed) != needed {
+        ui.ctx().request_discard("the question needs another height");
     }
 }
 
-/// Returns the text of the bar without a question.
+/// Returns the text of the pane without a question.
 fn idle(is_lockstep: bool) -> String {
     if is_lockstep {
         let key = Command::Lockstep.key();
@@ -74,12 +82,17 @@ fn idle(is_lockstep: bool) -> String {
 }
 
 impl State {
+    /// Height of all of it, in points, as it was shown last.
+    pub fn needed(&self) -> f32 {
+        self.needed
+    }
+
     /// Forgets what was typed for another question; returns whether this one is new.
     fn is_for(&mut self, open: &Open) -> bool {
         let of = Some((open.question.id, open.cursor()));
         let is_new = self.of != of;
         if is_new {
-            *self = Self { of, typed: String::new() };
+            *self = Self { of, typed: String::new(), ..*self };
         }
         is_new
     }
@@ -193,5 +206,5 @@ fn reveal(ui: &mut Ui, theme: Theme, actions: &mut Actions) {
 fn outcome(ui: &mut Ui, open: &Open, theme: Theme) {
     let Some(verdict) = open.verdict() else { return };
     let accent = style::color(theme.chrome().accent);
-    ui.label(RichText::new(verdict.text()).color(accent).family(style::bold()));
+    ui.add(egui::Label::new(RichText::new(verdict.text()).color(accent).family(style::bold())).wrap());
 }

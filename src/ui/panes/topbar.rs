@@ -293,6 +293,7 @@ fn section(command: Command) -> u8 {
         | C::ShowCharts
         | C::EnlargeChart
         | C::NextChart
+        | C::NextPicture
         | C::PreviousChart
         | C::Lecture
         | C::FullScreen => 3,

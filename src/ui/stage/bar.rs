@@ -1,6 +1,6 @@
 //! Around the pictures: what to look at, what the marks mean, and the numbers of the pixel pointed at.
 
-use eframe::egui::{self, Align, Align2, Button, Layout, Pos2, Rect, Sense, Slider, Ui, WidgetInfo, pos2, vec2};
+use eframe::egui::{self, Align, Align2, Layout, Pos2, Rect, Sense, Slider, Ui, WidgetInfo, pos2, vec2};
 use lucide_icons::Icon;
 use motionscope_core::scene::{Measured, Picture, Shape};
 use motionscope_core::{Frame, Role, fixed};
@@ -11,60 +11,37 @@ use crate::paint::{Face, FlowLayer, Look as SceneLook, Primitive, Share, Theme, 
 use crate::ui::drawing::{ink, primitives};
 use crate::ui::parts::widgets;
 use crate::view::look::Look;
-use crate::view::tile;
 
-/// Width of the stage, in letters, from which every tool has a button of its own.
-const ROOMY_LETTERS: f32 = 50.0;
+/// Width of the line, in letters, from which it tells the zoom or what estimators in lockstep have in common.
+const ROOMY_LETTERS: f32 = 42.0;
 
-/// The line above the pictures.
-pub fn tools(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Response) {
-    let is_roomy = ui.available_width() > ROOMY_LETTERS * input.theme().sizes().body;
-    ui.horizontal(|ui| {
-        ui.spacing_mut().item_spacing.x = 4.0;
-        let others = [tile::levels(input.scene, tiles(input)).is_some(), is_roomy && input.lockstep.is_some()];
-        let lists =
-            others.iter().filter(|is_there| **is_there).count() as f32 * LIST_LETTERS * input.theme().sizes().body;
-        let right = right_width(ui, input.theme(), is_roomy);
-        choice(ui, ui.available_width() - right - lists, input, &mut response.look);
-        if response.look.view == Some(View::Blend) {
-            let mut share = response.look.blend.get();
-            let slider = Slider::new(&mut share, 0.0..=1.0).step_by(0.01).show_value(false);
-            let name = "Share of frame t+1 in the blend";
-            ui.add(slider).on_hover_text(name).accessible_name(name);
-            response.look.blend = Share::new(share).unwrap_or_default();
-        }
-        levels::choice(ui, input, &mut response.look.level);
-        if let Some(lockstep) = input.lockstep.filter(|_| is_roomy) {
-            lockstep::choice(ui, &lockstep, response);
-        }
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| match is_roomy {
-            true => right_side(ui, input, state, response),
-            false => {
-                more(ui, input, state, response);
-                motion::button(ui, input, state, response);
-            }
-        });
-    });
+/// What to look at and how, at the right end of `line`; gives where that is.
+pub fn tools(ui: &mut Ui, line: Rect, input: &Input<'_>, state: &mut State, response: &mut Response) -> Rect {
+    let ui = &mut widgets::inside(ui, line, Layout::right_to_left(Align::Center));
+    ui.spacing_mut().item_spacing.x = 4.0;
+    more(ui, input, state, response);
+    motion::button(ui, input, state, response);
+    let is_roomy = line.width() > ROOMY_LETTERS * input.theme().sizes().body;
+    if let Some(lockstep) = input.lockstep.filter(|_| is_roomy) {
+        lockstep::choice(ui, &lockstep, response);
+    } else if is_roomy {
+        let percent = state.shown.map_or(100.0, |lens| lens.scale * ui.pixels_per_point() * 100.0);
+        ui.weak(format!("{percent:.0} %"))
+            .on_hover_text("Zoom. Turn the wheel or pinch over the picture; drag to move it.");
+    }
+    levels::choice(ui, input, &mut response.look.level);
+    choice(ui, input, &mut response.look);
+    if response.look.view == Some(View::Blend) {
+        let mut share = response.look.blend.get();
+        let slider = Slider::new(&mut share, 0.0..=1.0).step_by(0.01).show_value(false);
+        let name = "Share of frame t+1 in the blend";
+        ui.add(slider).on_hover_text(name).accessible_name(name);
+        response.look.blend = Share::new(share).unwrap_or_default();
+    }
+    ui.min_rect()
 }
 
-fn tiles<'a>(input: &Input<'a>) -> &'a [crate::view::tile::Tile] {
-    input.lockstep.map_or(&[][..], |all| all.tiles)
-}
-
-/// Width of a list in the line, in letters.
-const LIST_LETTERS: f32 = 11.0;
-
-fn right_width(ui: &Ui, theme: Theme, is_roomy: bool) -> f32 {
-    // Zoom, two buttons, what is seen of motion, and the legend's switch; or what is seen of motion and one button.
-    let letters = match (is_roomy, theme) {
-        (false, _) => 12.0,
-        (true, Theme::Projector) => 32.0,
-        (true, _) => 29.0,
-    };
-    letters * 0.6 * theme.sizes().body + 10.0 * ui.spacing().button_padding.x
-}
-
-/// What there is no room for in the line.
+/// What is wanted less often.
 fn more(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Response) {
     let button = widgets::icon_button(ui, Icon::Ellipsis, "More of the stage", false);
     egui::Popup::menu(&button).show(|ui| {
@@ -86,34 +63,12 @@ fn more(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Respon
     });
 }
 
-/// The views in a row, or in a list where there is no room for a row; those of the end only where it is reached.
-fn choice(ui: &mut Ui, room: f32, input: &Input<'_>, look: &mut Look) {
+/// The views in a list; those of the end only where it is reached.
+fn choice(ui: &mut Ui, input: &Input<'_>, look: &mut Look) {
     let (now, at_end) = (super::view(input), input.pictures.prediction.is_some());
     // Each of several estimators has one picture.
     let can_be =
         |view: View| (at_end || !view.is_of_the_end()) && (view != View::SideBySide || input.lockstep.is_none());
-    let font = egui::TextStyle::Button.resolve(ui.style());
-    let padding = 2.0 * ui.spacing().button_padding.x + 2.0;
-    let width = |view: &View| {
-        ui.painter().layout_no_wrap(short(*view).into(), font.clone(), egui::Color32::PLACEHOLDER).size().x + padding
-    };
-    let slider = if look.view == Some(View::Blend) { ui.spacing().slider_width + 8.0 } else { 0.0 };
-    if View::ALL.iter().map(width).sum::<f32>() + slider <= room {
-        ui.scope(|ui| {
-            ui.spacing_mut().item_spacing.x = 2.0;
-            for view in View::ALL {
-                let button = Button::selectable(now == view, short(view));
-                let enabled = can_be(view);
-                let response = ui.add_enabled(enabled, button);
-                let selected = now == view;
-                response.widget_info(|| WidgetInfo::selected(egui::Role::Button, enabled, selected, view.name()));
-                if response.on_hover_text(view.tip()).on_disabled_hover_text(view.tip()).clicked() {
-                    look.view = Some(view);
-                }
-            }
-        });
-        return;
-    }
     let list = egui::ComboBox::from_id_salt("view").selected_text(name(now, input));
     let shown = list.show_ui(ui, |ui| {
         for view in View::ALL {
@@ -148,35 +103,6 @@ fn name(view: View, input: &Input<'_>) -> String {
     }
 }
 
-/// The name of a view where eight of them stand in a row.
-fn short(view: View) -> &'static str {
-    match view {
-        View::Current => "t",
-        View::Next => "t+1",
-        View::SideBySide => "Both",
-        _ => view.name(),
-    }
-}
-
-fn right_side(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Response) {
-    let is_shown = response.look.legend;
-    let legend = ui.selectable_label(is_shown, "Legend").on_hover_text("Show the legend of the marks.");
-    if legend.clicked() {
-        response.look.legend = !is_shown;
-    }
-    motion::button(ui, input, state, response);
-    let pixels_per_point = ui.pixels_per_point();
-    if ui.button("1:1").on_hover_text("One pixel of the picture to one pixel of the screen.").clicked() {
-        state.one_to_one(pixels_per_point);
-    }
-    if ui.button("Fit").on_hover_text("Show the whole picture.").clicked() {
-        state.fit();
-    }
-    let percent = state.shown.map_or(100.0, |lens| lens.scale * pixels_per_point * 100.0);
-    let tip = "Zoom. Turn the wheel or pinch over the picture; drag to move it.";
-    ui.weak(format!("{percent:.0} %")).on_hover_text(tip);
-}
-
 /// Height of a line of small type.
 pub fn line_height(theme: Theme) -> f32 {
     (theme.sizes().small * 1.7).round()
@@ -191,7 +117,7 @@ pub fn line(ui: &mut Ui, input: &Input<'_>, state: &mut State) -> Option<Role> {
         readout(ui, input, hovered, (rect, &response));
         return None;
     }
-    if !input.look.legend {
+    if !input.look.legend || input.panes.legend().is_some() {
         return None;
     }
     let look = state.marks.look(input);
@@ -206,6 +132,23 @@ pub fn line(ui: &mut Ui, input: &Input<'_>, state: &mut State) -> Option<Role> {
     }
     let listed = if shown.hidden > 0 { folded(ui, &items, shown.hidden, rect) } else { None };
     lit.map(|(role, _)| role).or(listed)
+}
+
+/// Shows the legend below each other in `room`; gives the role whose entry is pointed at.
+pub fn list(ui: &mut Ui, room: Rect, input: &Input<'_>, state: &mut State) -> Option<Role> {
+    if !input.look.legend {
+        return None;
+    }
+    let look = state.marks.look(input);
+    let mut items = legend_items(input, &look, ui, state);
+    items.is_list = true;
+    let response = ui.interact(room, ui.scope_id().with("legend"), Sense::hover());
+    ink::name(&response, || format!("Legend: {}", items.plain()));
+    let shown = items.fitting_below(room.size());
+    shown.paint(ui, room);
+    let lit = response.hover_pos().and_then(|at| shown.pointed(at, room)).map(|(role, _)| role);
+    let listed = if shown.hidden > 0 { folded(ui, &items, shown.hidden, shown.last_line(room)) } else { None };
+    lit.or(listed)
 }
 
 /// The number of entries that there is no room for: all entries are listed where it is pointed at, and after a click until the
@@ -232,6 +175,8 @@ struct Items {
     theme: Theme,
     /// How many there was no room for.
     hidden: usize,
+    /// Whether each has a line of its own.
+    is_list: bool,
 }
 
 const BAR: egui::Vec2 = vec2(96.0, 8.0);
@@ -266,7 +211,7 @@ fn legend_items(input: &Input<'_>, look: &SceneLook, ui: &Ui, state: &State) -> 
         let width = bar_width(&bar, width);
         (bar, width)
     });
-    Items { entries: entries.collect(), bars: bars.collect(), theme: input.theme(), hidden: 0 }
+    Items { entries: entries.collect(), bars: bars.collect(), theme: input.theme(), hidden: 0, is_list: false }
 }
 
 fn text_width(ui: &Ui, text: &str, theme: Theme) -> f32 {
@@ -280,7 +225,7 @@ impl Items {
         let (mut at, mut line, height) = (0.0, 0usize, line_height(self.theme));
         let widths = self.entries.iter().map(|(_, w)| *w).chain(self.bars.iter().map(|(_, w)| *w));
         let place = |item: f32| {
-            if at > 0.0 && at + item > width {
+            if at > 0.0 && (self.is_list || at + item > width) {
                 (at, line) = (0.0, line + 1);
             }
             let place = pos2(at, line as f32 * height);
@@ -308,6 +253,27 @@ impl Items {
         shown.entries.extend(self.entries.iter().filter(|(_, w)| takes(*w)).cloned());
         shown.hidden = left;
         shown
+    }
+
+    /// Those that fit below each other in `height`, the colour scales before all, and how many are left.
+    fn fitting_below(&self, room: egui::Vec2) -> Items {
+        let total = self.entries.len() + self.bars.len();
+        let lines = (room.y / line_height(self.theme)) as usize;
+        let fits = |width: f32| width <= room.x;
+        // The last line says how many more there are.
+        let lines = if total > lines { lines.saturating_sub(1) } else { total };
+        let bars: Vec<_> = self.bars.iter().filter(|(_, width)| fits(*width)).take(lines).cloned().collect();
+        let entries: Vec<_> =
+            self.entries.iter().filter(|(_, width)| fits(*width)).take(lines - bars.len()).cloned().collect();
+        let hidden = total - entries.len() - bars.len();
+        Items { entries, bars, hidden, ..self.clone() }
+    }
+
+    /// The line below those that are shown.
+    fn last_line(&self, rect: Rect) -> Rect {
+        let height = line_height(self.theme);
+        let top = rect.min.y + (self.entries.len() + self.bars.len()) as f32 * height;
+        Rect::from_min_size(pos2(rect.min.x, top), vec2(rect.width(), height))
     }
 
     /// Width of the widest, and how many lines there are with one in each.
@@ -374,7 +340,8 @@ impl Items {
         }
         if self.hidden > 0 {
             let dim = ink::color(self.theme.chrome().dim);
-            painter.text(rect.right_center(), Align2::RIGHT_CENTER, format!("+{}", self.hidden), font.clone(), dim);
+            let line = if self.is_list { self.last_line(rect) } else { rect };
+            painter.text(line.right_center(), Align2::RIGHT_CENTER, format!("+{}", self.hidden), font.clone(), dim);
         }
     }
 }

@@ -7,8 +7,6 @@ use crate::paint::primitive;
 
 /// Largest size of an image pixel on the screen, in points.
 const LARGEST: f32 = 160.0;
-/// Empty margin around a picture that fits, as a fraction of the pane.
-const MARGIN: f32 = 0.97;
 
 /// How far one looks into a picture, shared by all panes that show it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -23,6 +21,17 @@ pub enum Zoom {
         /// Points on the screen for one image pixel.
         scale: f32,
     },
+}
+
+impl Zoom {
+    /// The same place, `factor` times as large.
+    #[must_use]
+    pub fn times(self, factor: f32) -> Self {
+        match self {
+            Self::Fit => Self::Fit,
+            Self::At { center, scale } => Self::At { center, scale: factor * scale },
+        }
+    }
 }
 
 /// A picture in a pane of the screen. Image pixel centres lie at integers.
@@ -42,7 +51,7 @@ impl Lens {
     /// The picture of `size` pixels in `pane`, seen through `zoom`.
     pub fn new(pane: Rect, size: (usize, usize), zoom: Zoom) -> Self {
         let picture = vec2(size.0.max(1) as f32, size.1.max(1) as f32);
-        let fit = (pane.size().max(Vec2::splat(1.0)) * MARGIN / picture).min_elem();
+        let fit = (pane.size().max(Vec2::splat(1.0)) / picture).min_elem();
         let middle = pos2((picture.x - 1.0) / 2.0, (picture.y - 1.0) / 2.0);
         let lens = |scale, center| Self { pane, picture, scale, center };
         match zoom {
@@ -53,7 +62,7 @@ impl Lens {
 
     /// The scale at which the whole picture is seen.
     fn fit(&self) -> f32 {
-        (self.pane.size().max(Vec2::splat(1.0)) * MARGIN / self.picture).min_elem().min(LARGEST)
+        (self.pane.size().max(Vec2::splat(1.0)) / self.picture).min_elem().min(LARGEST)
     }
 
     /// Keeps the scale in bounds and the middle of the pane on the picture.
@@ -171,7 +180,7 @@ mod tests {
     #[test]
     fn fit_shows_the_whole_picture() {
         let lens = lens(Zoom::Fit);
-        assert!(pane().contains_rect(lens.picture_rect()));
+        assert!(pane().expand(1e-3).contains_rect(lens.picture_rect()));
         assert!((lens.picture_rect().center() - pane().center()).length() < 1e-3);
         assert_eq!(lens.visible(), Some([[0, 583], [0, 387]]));
     }

@@ -1,7 +1,7 @@
 //! Several estimators on the stage: a tile for each, and above all what they have in common.
 
 use eframe::egui::text::{LayoutJob, TextFormat, TextWrapping};
-use eframe::egui::{self, CursorIcon, Rect, Sense, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2};
+use eframe::egui::{self, CursorIcon, Rect, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 use lucide_icons::Icon;
 use motionscope_core::scene::Sentence;
 use motionscope_core::{Pace, lockstep};
@@ -13,9 +13,6 @@ use crate::ui::app::commands::Command;
 use crate::ui::drawing::{ink, style};
 use crate::ui::parts::widgets;
 use crate::view::tile::Tile;
-
-/// Between two tiles, in points.
-const GAP: f32 = 12.0;
 
 /// Sizes of a name that are tried in a narrow tile, as shares of the usual one.
 const SHARES: [f32; 3] = [1.0, 0.88, 0.76];
@@ -39,10 +36,10 @@ impl Lockstep<'_> {
 
 /// What all have in common, and the way out, as a list and a button.
 pub fn choice(ui: &mut Ui, lockstep: &Lockstep<'_>, response: &mut Response) {
-    let list = egui::ComboBox::from_id_salt("pace").selected_text(lockstep.pace().label());
-    list.show_ui(ui, |ui| paces(ui, lockstep, response)).response.accessible_name("In lockstep by");
     let tip = Command::Lockstep.with_key(LEAVE);
     response.left |= widgets::cross(ui, "Leave lockstep").on_hover_text(tip).clicked();
+    let list = egui::ComboBox::from_id_salt("pace").selected_text(lockstep.pace().label());
+    list.show_ui(ui, |ui| paces(ui, lockstep, response)).response.accessible_name("In lockstep by");
 }
 
 /// The same as items of a menu.
@@ -71,22 +68,6 @@ pub fn header(theme: Theme) -> f32 {
 
 fn name_height(theme: Theme) -> f32 {
     (1.5 * theme.sizes().body).round()
-}
-
-/// Divides `area` among `count` pictures of `size`, in as many columns as show them largest.
-pub fn split(area: Rect, count: usize, size: (usize, usize), header: f32) -> Vec<Rect> {
-    let room = |columns: usize| {
-        let rows = count.div_ceil(columns);
-        let gaps = GAP * vec2((columns - 1) as f32, (rows - 1) as f32);
-        (area.size() - gaps) / vec2(columns as f32, rows as f32)
-    };
-    let head = vec2(0.0, header);
-    let fit = |columns: usize| ((room(columns) - head) / vec2(size.0 as f32, size.1 as f32)).min_elem();
-    // Of two that show them as large, the one with fewer columns: two by two.
-    let columns = (1..=count).rev().max_by(|a, b| fit(*a).total_cmp(&fit(*b))).unwrap_or(1);
-    let (tile, picture) = (room(columns), (room(columns) - head).max(Vec2::splat(1.0)));
-    let corner = |i: usize| vec2((i % columns) as f32, (i / columns) as f32) * (tile + Vec2::splat(GAP));
-    (0..count).map(|i| Rect::from_min_size(area.min + head + corner(i), picture)).collect()
 }
 
 /// What stands above the picture that `lens` shows: the estimator, whether it waits, and what it has come to. A click has it
@@ -154,28 +135,4 @@ fn job(words: &Sentence, width: f32, theme: Theme) -> LayoutJob {
         job.append(words, 0.0, TextFormat { font_id, color: ink::color(color), ..TextFormat::default() });
     }
     job
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use eframe::egui::Pos2;
-
-    #[test]
-    fn tiles_lie_beside_each_other_and_leave_none_out() {
-        for (width, height) in [(1200.0, 500.0), (400.0, 900.0), (640.0, 480.0)] {
-            let area = Rect::from_min_size(pos2(10.0, 20.0), vec2(width, height));
-            for count in 2..=4 {
-                let panes = split(area, count, (640, 480), 40.0);
-                assert_eq!(panes.len(), count);
-                for (i, pane) in panes.iter().enumerate() {
-                    assert!(area.expand(0.01).contains_rect(*pane), "{pane:?} in {area:?}");
-                    assert!(panes[..i].iter().all(|other| !other.intersects(*pane)));
-                }
-            }
-        }
-        let square = Rect::from_min_size(Pos2::ZERO, vec2(900.0, 700.0));
-        let four = split(square, 4, (640, 480), 40.0);
-        assert!(four[0].min.x == four[2].min.x && four[0].min.y == four[1].min.y, "two by two");
-    }
 }

@@ -14,9 +14,9 @@ const LEAST_PT: f32 = 160.0;
 /// The glass at `at` over that of `spots` which lies there, within `area`.
 fn glass<'a>(spots: &[Spot<'a>], at: Pos2, area: Rect) -> Option<Spot<'a>> {
     let under = spots.iter().find(|spot| spot.lens.pixel_at(at).is_some())?;
-    let Spot { member, panel, lens, scene, ref pictures, .. } = *under;
+    let Spot { member, panel, lens, scene, ref pictures, share, is_small, .. } = *under;
     let lens = magnified(lens, at, area);
-    Some(Spot { member, panel, lens, scene, pictures: pictures.clone(), has_map: false })
+    Some(Spot { member, panel, lens, scene, pictures: pictures.clone(), has_map: false, share, is_small })
 }
 
 /// The picture of `lens` in a pane around `at` within `area`: the image point under the pointer stays under it.

@@ -33,6 +33,8 @@ pub use placing::{Gesture, Placing};
 
 use crate::paint::{self, Backdrop, Face, FreehandLine, Panel, Placement, Shown, Theme, View};
 use crate::ui::drawing::{ink, primitives};
+use crate::ui::panes::layout::{self, Panes};
+use crate::ui::parts::widgets;
 use crate::view::look::{Look, RunState};
 use crate::view::motion::AvailableLayers;
 use crate::view::tile::Tile;
@@ -42,10 +44,8 @@ use marks::Marks;
 use pictures::Pictures;
 use pulse::Pulse;
 
-/// Between two pictures, in points.
-const GAP: f32 = 4.0;
 /// How far marks may reach beyond their picture, in points.
-const BEYOND: f32 = 3.0;
+const BEYOND: f32 = 2.0;
 /// How long a particle of a streakline lives, in seconds.
 const LIFE_SECS: f64 = 3.2;
 /// Between two pictures of moving particles, in seconds: half as often as a screen shows one.
@@ -86,6 +86,10 @@ pub struct Input<'a> {
     pub flows: bool,
     /// How it is presented.
     pub presenting: Presenting<'a>,
+    /// Where the pictures lie.
+    pub panes: &'a Panes,
+    /// Whether the work is done in frame t + 1, which is the large picture then.
+    pub is_search: bool,
 }
 
 impl Input<'_> {
@@ -107,13 +111,19 @@ pub struct State {
     /// One for each estimator.
     glides: Vec<Glide>,
     pulses: Vec<Pulse>,
-    /// Where the pictures lie.
+    /// Where the pictures lie, and the part of each that is seen.
     area: Option<Rect>,
+    seen: Vec<Rect>,
     hovered: Option<Hovered>,
     /// How closely one looks at pictures whose pixels are not those of frame t.
     zooms: Vec<(Picture, Zoom)>,
     /// The pane that was shown last, for zooming without a pointer.
     shown: Option<Lens>,
+    /// The picture that was chosen to be the large one, and all that have been on the stage with it.
+    large: Option<Picture>,
+    panels: Vec<Picture>,
+    /// Which of them is the large one.
+    large_at: usize,
     follow: Follow,
     /// The corner of a picture in which the wheel of colours lies.
     wheel_corner: usize,
@@ -176,6 +186,11 @@ impl State {
         }
     }
 
+    /// Where each picture is seen, in points of the window.
+    pub fn pictures(&self) -> impl Iterator<Item = Rect> {
+        self.seen.iter().copied()
+    }
+
     /// Where the pictures lie, in points of the window.
     pub fn area(&self) -> Rect {
         self.area.unwrap_or(Rect::ZERO)
@@ -194,6 +209,18 @@ impl State {
             return aligned;
         }
         self.zooms.iter().find(|(other, _)| other.is_aligned_with(picture)).map_or(Zoom::Fit, |(_, zoom)| *zoom)
+    }
+
+    /// Which of the pictures is the large one where one is: the one that was chosen, or the one in which candidates are tested.
+    fn large_of(&self, input: &Input<'_>) -> usize {
+        let place = |of: Picture| self.panels.iter().position(|picture| *picture == of);
+        let usual = || input.is_search.then(|| place(Picture::NEXT)).flatten();
+        self.large.and_then(place).or_else(usual).unwrap_or(0)
+    }
+
+    /// Makes the next picture the large one.
+    pub fn next_picture(&mut self) {
+        self.large = self.panels.get((self.large_at + 1) % self.panels.len().max(1)).copied();
     }
 
     fn set_zoom(&mut self, picture: Picture, zoom: Zoom) {
@@ -248,48 +275,85 @@ pub struct Response {
     pub pen: Option<PenWish>,
 }
 
-/// Shows the stage in the whole of `ui`.
+/// What decides which pictures are on the stage.
+#[derive(Clone, Copy)]
+pub struct OnStage<'a> {
+    /// The frames, and what the run has made of them.
+    pub pictures: &'a paint::Pictures,
+    /// How they are looked at.
+    pub look: Look,
+    /// Where the run stands.
+    pub stands: RunState,
+    /// How many estimators share the stage; none if there is one.
+    pub tiles: usize,
+}
+
+/// What the stage shows of `pictures`, as far as its layout follows from that.
+pub fn pictures(input: OnStage<'_>, theme: Theme, line: f32) -> layout::Pictures {
+    let OnStage { pictures, look, stands, tiles } = input;
+    let view = view_of(look, pictures, stands);
+    let is_lockstep = tiles > 0;
+    let count = match (is_lockstep, view) {
+        (true, _) => tiles,
+        (false, View::Blink) => 1,
+        (false, view) => view.panels(pictures).len().max(1),
+    };
+    let header = if is_lockstep { lockstep::header(theme) } else { bar::line_height(theme) };
+    layout::Pictures { count, size: pictures.pair[0].size(), is_lockstep, header, line }
+}
+
+/// Height of the line below the pictures, with tools in rows of `interact_pt` or without any.
+pub fn line_height(theme: Theme, tools_pt: Option<f32>) -> f32 {
+    tools_pt.map_or(0.0, |height| height + 2.0).max(bar::line_height(theme))
+}
+
+/// Shows the pictures in their places, and below them in the whole of `ui` what they mean and what can be done with them.
 pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     ui.spacing_mut().item_spacing = vec2(8.0, 4.0);
     let mut response = Response { look: input.look, ..Response::default() };
-    if !input.presenting.is_bare {
-        bar::tools(ui, &input, state, &mut response);
+    let tools_pt = (!input.presenting.is_bare).then_some(ui.spacing().interact_size.y);
+    let stage = ui.max_rect().shrink(layout::MARGIN);
+    let mut line = stage.with_min_y(stage.max.y - line_height(input.theme(), tools_pt));
+    if tools_pt.is_some() {
+        let tools = bar::tools(ui, line, &input, state, &mut response);
+        line.max.x = tools.min.x - ui.spacing().item_spacing.x;
     }
     let input = Input { look: response.look, ..input };
     // Each of several estimators has its own level.
     let on_level = input.pictures.on_level(input.scene.levels.as_ref(), input.look.level, view(&input));
     let input = Input { pictures: &on_level, ..input };
-    pictures_above_line(ui, &input, state, &mut response);
-    let in_legend = match (input.placing, input.presenting.hand) {
-        (Some(_), _) => {
-            placing::tools(ui, &input, &mut response);
-            None
-        }
-        (None, Hand::Draw(color)) => {
-            pen::tools(ui, &input, color, &mut response);
-            None
-        }
-        (None, _) => bar::line(ui, &input, state),
-    };
-    state.light(ui, in_legend);
+    state.area = Some(stage.with_max_y(line.min.y));
+    panes(ui, &input, state, &mut response);
+    legend_line(ui, line, &input, state, &mut response);
     response
 }
 
 /// Shows the pictures and their legend alone, without tools, in the whole of `ui`.
 pub fn show_plain(ui: &mut Ui, input: &Input<'_>, state: &mut State) {
-    ui.spacing_mut().item_spacing = vec2(8.0, 4.0);
-    pictures_above_line(ui, input, state, &mut Response::default());
-    let in_legend = bar::line(ui, input, state);
-    state.light(ui, in_legend);
+    let mut response = Response { look: input.look, ..Response::default() };
+    let stage = ui.max_rect().shrink(layout::MARGIN);
+    let line = stage.with_min_y(stage.max.y - line_height(input.theme(), None));
+    state.area = Some(stage.with_max_y(line.min.y));
+    panes(ui, input, state, &mut response);
+    legend_line(ui, line, input, state, &mut response);
 }
 
-/// Shows the pictures, with room for a line below them.
-fn pictures_above_line(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Response) {
-    let below = bar::line_height(input.theme()) + ui.spacing().item_spacing.y;
-    let room = vec2(ui.available_width(), (ui.available_height() - below).max(40.0));
-    let (area, _) = ui.allocate_exact_size(room, Sense::hover());
-    state.area = Some(area);
-    panes(ui, area, input, state, response);
+/// What stands below the pictures: their legend, or what is being placed or drawn on them.
+fn legend_line(ui: &mut Ui, line: Rect, input: &Input<'_>, state: &mut State, response: &mut Response) {
+    let ui = &mut widgets::inside(ui, line, egui::Layout::left_to_right(egui::Align::Center));
+    let in_legend = match (input.placing, input.presenting.hand) {
+        (Some(_), _) => {
+            placing::tools(ui, input, response);
+            None
+        }
+        (None, Hand::Draw(color)) => {
+            pen::tools(ui, input, color, response);
+            None
+        }
+        (None, _) => bar::line(ui, input, state),
+    };
+    let in_list = input.panes.legend().and_then(|room| bar::list(ui, room, input, state));
+    state.light(ui, in_legend.or(in_list));
 }
 
 /// The pictures on the stage just now.
@@ -312,31 +376,47 @@ struct Spot<'a> {
     pictures: paint::Pictures,
     /// Whether the map of the whole picture lies over it where it is not seen whole: over one of those that are looked at alike.
     has_map: bool,
+    /// Its scale where all of it is seen, of that of the picture that the view follows.
+    share: f32,
+    /// Whether it stands beside a large one.
+    is_small: bool,
 }
 
 /// Every picture in its place.
-fn spots<'a>(ui: &Ui, area: Rect, panels: &[Panel], input: &Input<'a>, state: &mut State) -> Vec<Spot<'a>> {
+fn spots<'a>(ui: &Ui, panels: &[Panel], input: &Input<'a>, state: &mut State) -> Vec<Spot<'a>> {
     let size = input.pictures.pair[0].size();
     let Some(Lockstep { tiles, .. }) = input.lockstep else {
-        let panes = split(area, panels.len(), size, bar::line_height(input.theme()));
+        state.panels = panels.iter().map(|panel| panel.picture()).collect();
+        let large = state.large_of(input);
+        state.large_at = large;
+        let panes = input.panes.of(large);
         let aligned = |panel: &Panel| panel.picture().is_aligned_with(Picture::CURRENT);
-        let first = panels.iter().position(aligned).unwrap_or(0);
-        let pane = panes.get(first).copied().unwrap_or(area);
+        // The view follows the work in the large picture, or else in the first.
+        let first = panels.get(large).filter(|panel| input.panes.has_large() && aligned(panel)).map(|_| large);
+        let first = first.or(panels.iter().position(aligned)).unwrap_or(0);
+        let pane = panes.get(first).copied().unwrap_or(Rect::ZERO);
         let zoom = state.zooms_for(ui, &[input.scene], pane, input).first().copied().unwrap_or_default();
-        let spot = |(i, (panel, pane)): (usize, (&Panel, Rect))| Spot {
-            member: 0,
-            panel: *panel,
-            lens: Lens::new(pane, panel.frames(input.pictures)[0].size(), state.zoom_of(panel.picture(), zoom)),
-            scene: input.scene,
-            pictures: input.pictures.clone(),
-            has_map: i == first || !aligned(panel),
+        let spot = |(i, (panel, pane_of)): (usize, (&Panel, Rect))| {
+            let size = panel.frames(input.pictures)[0].size();
+            let of_large = Lens::new(pane, size, Zoom::Fit).scale;
+            let share = if i == first { 1.0 } else { Lens::new(pane_of, size, Zoom::Fit).scale / of_large };
+            Spot {
+                member: 0,
+                panel: *panel,
+                lens: Lens::new(pane_of, size, state.zoom_of(panel.picture(), zoom).times(share)),
+                scene: input.scene,
+                pictures: input.pictures.clone(),
+                has_map: i == first || !aligned(panel) && !input.panes.has_large(),
+                share,
+                is_small: input.panes.has_large() && i != large,
+            }
         };
         return panels.iter().zip(panes).enumerate().map(spot).collect();
     };
     let view = view(input);
-    let panes = lockstep::split(area, tiles.len(), size, lockstep::header(input.theme()));
+    let panes = input.panes.of(0);
     let scenes: Vec<&Scene> = tiles.iter().map(|tile| &*tile.scene).collect();
-    let zooms = state.zooms_for(ui, &scenes, panes.first().copied().unwrap_or(area), input);
+    let zooms = state.zooms_for(ui, &scenes, panes.first().copied().unwrap_or(Rect::ZERO), input);
     let spot = |(member, (tile, pane)): (usize, (&'a Tile, Rect))| Spot {
         member,
         panel: panels.first().copied().unwrap_or(Panel::NEXT),
@@ -344,26 +424,34 @@ fn spots<'a>(ui: &Ui, area: Rect, panels: &[Panel], input: &Input<'a>, state: &m
         scene: &tile.scene,
         pictures: tile.pictures(input.pictures, input.look.level, view),
         has_map: true,
+        share: 1.0,
+        is_small: false,
     };
     tiles.iter().zip(panes).enumerate().map(spot).collect()
 }
 
 /// The view that the pictures have. What blinks on the stage stands still in a picture.
 fn view(input: &Input<'_>) -> View {
-    let view = input.look.view_of(input.pictures, input.stands);
-    if input.look.view == Some(View::Blink) { View::Blink } else { view }
+    view_of(input.look, input.pictures, input.stands)
 }
 
-fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response: &mut Response) {
+fn view_of(look: Look, pictures: &paint::Pictures, stands: RunState) -> View {
+    let view = look.view_of(pictures, stands);
+    if look.view == Some(View::Blink) { View::Blink } else { view }
+}
+
+fn panes(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Response) {
     let time = ui.input(|i| i.time);
     if input.look.view == Some(View::Blink) {
         let rest = BLINK_SECS - time.rem_euclid(BLINK_SECS);
         ui.ctx().request_repaint_after_secs(rest as f32 + 0.005);
     }
     let panels = panels(view(input), input.pictures, time);
-    ui.painter().rect_filled(area, 0.0, ink::color(input.theme().chrome().background));
     let (mut hovered, mut tips) = (None, Vec::new());
-    let spots = spots(ui, area, &panels, input, state);
+    let spots = spots(ui, &panels, input, state);
+    for spot in &spots {
+        ui.painter().rect_filled(spot.lens.pane, 0.0, ink::color(input.theme().chrome().background));
+    }
     let members = spots.last().map_or(1, |spot| spot.member + 1);
     state.glides.resize_with(members, Glide::default);
     state.pulses.resize_with(members, Pulse::default);
@@ -406,7 +494,7 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
             None => pen::act(ui, &sensed, spot, (input, state), response),
         };
         if let Some(zoom) = looked(ui, &sensed, lens).filter(|_| !is_gripped) {
-            state.set_zoom(panel.picture(), zoom);
+            state.set_zoom(panel.picture(), zoom.times(1.0 / spot.share));
             ui.ctx().request_repaint();
         }
         // Above the picture: what happens on the map is no click for a pixel.
@@ -419,6 +507,13 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
         }
         match input.lockstep {
             _ if matches!(input.presenting.hand, Hand::Draw(_)) => {}
+            // A small one comes forward; nothing moves under it.
+            _ if spot.is_small && placing.is_none() => {
+                if sensed.clicked() {
+                    state.large = Some(panel.picture());
+                    ui.ctx().request_repaint();
+                }
+            }
             // The first click on another estimator is for its explanation; nothing moves under it.
             Some(all) if sensed.clicked() && all.explained != *member => response.explained = Some(*member),
             _ if placing.is_none() && sensed.clicked() => {
@@ -431,13 +526,14 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
         tips.push(sensed);
     }
     state.hovered = hovered;
+    state.seen = spots.iter().map(|spot| spot.lens.picture_rect().intersect(spot.lens.pane)).collect();
     for spot in &spots {
         paint(ui, spot, input, state);
     }
     for spots in spots.chunk_by(|a, b| a.member == b.member) {
         join(ui, spots, input, state);
     }
-    loupe::show(ui, &spots, area, (input, state));
+    loupe::show(ui, &spots, state.area(), (input, state));
     for (sensed, spot) in tips.into_iter().zip(&spots) {
         pen::cursor(sensed, (&ui.painter_at(spot.lens.pane), input.theme()), input.presenting.hand);
     }
@@ -447,32 +543,6 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
 /// Whether particles move on a picture.
 fn moves(spot: &Spot<'_>) -> bool {
     spot.panel.shows(Picture::CURRENT) && spot.pictures.streaks.as_ref().is_some_and(|streaks| !streaks.is_empty())
-}
-
-/// Divides `area` among `count` pictures of `size` with a `header` above each: side by side, or stacked where that
-/// shows them much larger; four also in a square.
-fn split(area: Rect, count: usize, size: (usize, usize), header: f32) -> Vec<Rect> {
-    let head = vec2(0.0, header);
-    let fit = |pane: Vec2| ((pane - head) / vec2(size.0 as f32, size.1 as f32)).min_elem();
-    let n = count.max(1) as f32;
-    let total = GAP * (n - 1.0);
-    let beside = vec2((area.width() - total) / n, area.height());
-    let stacked = vec2(area.width(), (area.height() - total) / n);
-    let (pane, step) = if fit(stacked) > 1.3 * fit(beside) {
-        (stacked, vec2(0.0, stacked.y + GAP))
-    } else {
-        (beside, vec2(beside.x + GAP, 0.0))
-    };
-    if count == 4 {
-        let half = (area.size() - Vec2::splat(GAP)) / 2.0;
-        if fit(half) > fit(pane) {
-            let picture = (half - head).max(Vec2::splat(1.0));
-            let corner = |i: usize| vec2((i % 2) as f32 * (half.x + GAP), (i / 2) as f32 * (half.y + GAP));
-            return (0..count).map(|i| Rect::from_min_size(area.min + head + corner(i), picture)).collect();
-        }
-    }
-    let picture = (pane - head).max(Vec2::splat(1.0));
-    (0..count).map(|i| Rect::from_min_size(area.min + head + step * i as f32, picture)).collect()
 }
 
 /// The new zoom, if the person turned the wheel, pinched or dragged.
@@ -492,7 +562,9 @@ fn paint(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut State) {
     let Spot { panel, ref lens, ref pictures, .. } = *spot;
     let painter = ui.painter_at(lens.pane);
     follow::paint(&painter, spot, shown.share, state);
-    if let Some(layer) = pictures.layer.as_ref().filter(|_| panel.is_tinted() && !pixels::has_numbers(lens)) {
+    if let Some(layer) =
+        pictures.layer.as_ref().filter(|_| panel.is_tinted() && !spot.is_small && !pixels::has_numbers(lens))
+    {
         motion::corner_wheel(&painter, spot, layer, (input.theme(), &mut state.wheel_corner));
     }
     if input.lockstep.is_none() {
@@ -521,7 +593,7 @@ fn paint_picture(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut State)
     let time = ui.input(|i| i.time);
     let moving = state.glides[member].marks(time);
     // A frame at the edge of the picture stays whole, all else ends with the picture.
-    let marks = painter.with_clip_rect(lens.picture_rect().expand(BEYOND).intersect(lens.pane));
+    let marks = painter.with_clip_rect(lens.picture_rect().intersect(lens.pane).expand(BEYOND));
     state.pulses[member].paint(&marks, (panel, lens), input.theme(), time);
     state.marks.paint(&marks, ((member, panel), lens), scene, input, &moving);
     let scene_look = state.marks.look(input);
@@ -577,32 +649,7 @@ fn caption(painter: &egui::Painter, shown: Shown, lens: &Lens, input: &Input<'_>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eframe::egui::Pos2;
     use motionscope_core::scene::PictureRole;
-
-    #[test]
-    fn two_pictures_share_the_stage_without_overlap() {
-        for area in [vec2(1200.0, 500.0), vec2(400.0, 900.0), vec2(9.0, 6.0)] {
-            let area = Rect::from_min_size(pos2(10.0, 20.0), area);
-            let panes = split(area, 2, (584, 388), 20.0);
-            assert!(panes[0].min == area.min + vec2(0.0, 20.0) && !panes[0].intersects(panes[1]));
-        }
-        let wide = Rect::from_min_size(Pos2::ZERO, vec2(1200.0, 500.0));
-        let tall = Rect::from_min_size(Pos2::ZERO, vec2(500.0, 900.0));
-        let same_row = |area| split(area, 2, (584, 388), 20.0).windows(2).all(|w| w[0].min.y == w[1].min.y);
-        assert!(same_row(wide) && !same_row(tall));
-    }
-
-    #[test]
-    fn up_to_four_pictures_lie_in_the_stage_apart() {
-        for (area, count) in [(vec2(900.0, 700.0), 3), (vec2(900.0, 700.0), 4), (vec2(1600.0, 200.0), 4)] {
-            let area = Rect::from_min_size(pos2(10.0, 20.0), area);
-            let panes = split(area, count, (320, 240), 20.0);
-            assert!(panes.len() == count && panes.iter().all(|pane| area.contains_rect(*pane)), "{panes:?}");
-            let apart = |(i, a): (usize, &Rect)| panes.iter().skip(i + 1).all(|b| !a.intersects(*b));
-            assert!(panes.iter().enumerate().all(apart), "{panes:?}");
-        }
-    }
 
     #[test]
     fn pictures_of_other_pixels_are_zoomed_by_themselves() {

@@ -160,8 +160,7 @@ impl RobustModel for EpipolarGeometry {
         if let Some(planar) = planarity.filter(Planarity::is_plane) {
             return format!(
                 "{found} But a homography explains {} of the inliers, and is the better model by the information criterion GRIC, {} against \
-                 {} of F; {}. So the scene is a plane, or the camera only rotated. F is not \
-                 determined by such points; use the global motion with a homography.",
+                 {} of F; {}. {}",
                 percent(planar.share),
                 words::fixed(planar.of_homography, 0),
                 words::fixed(planar.of_fundamental, 0),
@@ -172,30 +171,42 @@ impl RobustModel for EpipolarGeometry {
                         words::grouped(all),
                         words::grouped(agreeing)
                     ),
-                }
+                },
+                undetermined(&planar)
             );
         }
-        let pose = match self.pose(estimate) {
-            None => " With the focal length, the pose of the camera follows from F.".to_owned(),
-            Some(pose) => self.doubt(&pose, estimate).unwrap_or_else(|| posed(&pose)),
-        };
         let dominant = match planarity.filter(Planarity::is_homography_better) {
-            Some(Planarity { off: [agreeing, _], .. }) => format!(
-                " Most inliers lie on a plane, and F rests on the {} off it, which agree beyond chance: parallax, or an object with a motion \
-                 of its own, for which F is wrong.",
+            Some(Planarity { off: [agreeing, _], inliers, explained, .. }) => format!(
+                " Of the {} inliers, {} follow a homography, so F rests on the other {}. {} of these lie clearly off its plane and agree beyond \
+                 chance: parallax, or an object with a motion of its own, for which F is wrong.",
+                words::grouped(inliers),
+                words::grouped(explained),
+                words::grouped(inliers - explained),
                 words::grouped(agreeing)
             ),
             None => match planarity {
                 Some(planar) if planar.share > NEARLY_PLANE => format!(
-                    " A homography explains {} of the inliers: the scene is nearly a plane, so F and its epipoles are poorly determined, and \
+                    " A homography explains {} of the inliers: most points lie near a plane, so F and its epipoles are poorly determined, and \
                      other random seeds give others.",
                     percent(planar.share)
                 ),
                 _ => String::new(),
             },
         };
+        // A doubt about F is one about the pose.
+        let is_doubted = !dominant.is_empty();
+        let pose = match self.pose(estimate) {
+            None if is_doubted => {
+                " With the focal length a pose of the camera would follow from F, as uncertain as F.".to_owned()
+            }
+            None => " With the focal length, the pose of the camera follows from F.".to_owned(),
+            Some(pose) => self.doubt(&pose, estimate).unwrap_or_else(|| match is_doubted {
+                true => format!("{} This pose is as uncertain as F.", posed(&pose)),
+                false => posed(&pose),
+            }),
+        };
         format!(
-            "{found}{pose}{dominant} Points of moving objects violate F unless they move along their epipolar lines."
+            "{found}{dominant}{pose} Points of moving objects violate F unless they move along their epipolar lines."
         )
     }
 
@@ -321,6 +332,21 @@ impl EpipolarGeometry {
 const LEAST_RATIO: f64 = 0.8;
 /// Widest field of view of a camera without a fisheye lens, and the narrowest of a telephoto lens, in degrees.
 const VIEWS_DEG: [f64; 2] = [1.0, 150.0];
+
+/// Why points that a homography explains better do not determine F, and what to do.
+fn undetermined(planar: &Planarity) -> String {
+    if planar.is_one_plane() {
+        return "So the scene is a plane, or the camera only rotated. F is not determined by such points; use the global motion with a \
+                homography."
+            .to_owned();
+    }
+    format!(
+        "So F is not determined by these points. Whether the scene is a plane cannot be told either: {} of {} inliers do not follow the \
+         homography, as with several planes or several motions. Motion segmentation tells motions apart.",
+        words::grouped(planar.inliers - planar.explained),
+        words::grouped(planar.inliers)
+    )
+}
 
 /// The pose of the camera in words.
 fn posed(pose: &Pose) -> String {

@@ -37,6 +37,9 @@ params! {
 /// Inliers within a smaller share of the picture may lie on a single object.
 const SMALL_HULL: f64 = 0.25;
 
+/// A registration that raises the mean difference to more than this multiple does harm; interpolation alone changes it by less.
+const HARMFUL: f64 = 1.05;
+
 /// Frames registered in the coordinates of frame t.
 const MOSAIC: Picture = Picture { role: PictureRole::Mosaic, ..Picture::CURRENT };
 
@@ -175,8 +178,9 @@ impl RobustModel for GlobalMotion {
                 .text("Registered by H, both frames differ by ")
                 .ink(Role::Result, format!("{} gray levels", words::fixed(registered.mean, 2)))
                 .text(format!(
-                    " on average where they overlap, and by {} as they are. The remaining difference is noise and motion that the model does not have.",
-                    words::fixed(at_rest.mean, 2)
+                    " on average where they overlap, and by {} as they are. {}",
+                    words::fixed(at_rest.mean, 2),
+                    registration(registered.mean, at_rest.mean)
                 )),
             None => Sentence::default().text("Registered by H, the frames do not overlap."),
         };
@@ -277,6 +281,17 @@ impl GlobalMotion {
                 None => format!("{} that maps the origin beyond its horizon line", self.name()),
             },
         }
+    }
+}
+
+/// What the mean differences of the frames, registered and as they are, say about the model.
+fn registration(registered: f64, at_rest: f64) -> &'static str {
+    if registered > HARMFUL * at_rest {
+        "Registration makes the difference larger, so the model does not hold for the picture as a whole."
+    } else if registered > at_rest {
+        "Registration does not reduce the difference, so the pictures give no evidence for the model."
+    } else {
+        "The remaining difference is noise and motion that the model does not have."
     }
 }
 

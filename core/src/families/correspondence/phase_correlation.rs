@@ -3,6 +3,7 @@
 mod doubt;
 mod explain;
 mod spectrum;
+mod unexplained;
 
 use std::sync::Arc;
 

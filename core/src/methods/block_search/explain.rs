@@ -148,7 +148,7 @@ impl Probe<'_> {
 
     /// The number of candidates tested, and the number that full search would test.
     fn candidates_tested(&self) -> String {
-        let (all, whole) = (self.window.count(), self.tests().cells().iter().flatten().count());
+        let (all, whole) = (self.window.count(), self.whole_tested());
         let tested = counted_candidates(self.tested());
         let between = match self.tested() - whole {
             0 => String::new(),
@@ -158,6 +158,11 @@ impl Probe<'_> {
             true => format!("{tested}{between} (full search: {})", grouped(all)),
             false => format!("{tested}{between}"),
         }
+    }
+
+    /// The number of candidates tested at whole pixels.
+    fn whole_tested(&self) -> usize {
+        self.tests().cells().iter().flatten().count()
     }
 
     /// The share of the rows that were summed where candidates were rejected early.
@@ -227,6 +232,9 @@ impl Probe<'_> {
         if !competing_minima.is_empty() {
             let other = |other: &Match| format!("{} at {}", self.settings.number(other.cost), vector(other.vector()));
             let same = match surface.least.cost >= whole {
+                true if self.tested() > self.whole_tested() => {
+                    "Its whole displacement is the global minimum, but nearly the same cost is reached at other minima:"
+                }
                 true => "It is the global minimum, but nearly the same cost is reached at other minima:",
                 // Only between pixels.
                 false => "The search window has other minima, which cost less or nearly the same:",
@@ -246,6 +254,12 @@ impl Probe<'_> {
         }
         match surface.least.cost < whole {
             true => format!("It may be a local minimum, since candidates were left out.{}", sentence_of(&mean)),
+            // Between pixels only the neighbours of that minimum were tested.
+            false if self.tested() > self.whole_tested() => format!(
+                "It lies at or beside the global minimum over all whole displacements of the search window. Between pixels only positions \
+                 around that minimum were tested.{}",
+                sentence_of(&mean)
+            ),
             false => format!("It is the global minimum of the search window.{}", sentence_of(&mean)),
         }
     }

@@ -24,6 +24,9 @@ const LEAST_SIGMA_PX: f64 = 0.1;
 /// A match is off the plane from this many inlier thresholds and standard deviations on, where errors of positions do not reach.
 const OFF_THRESHOLDS: f64 = 2.0;
 const OFF_SIGMAS: f64 = 6.0;
+/// From this share of the inliers on, and with a smaller share of all matches clearly off it, a single homography explains the scene.
+const ONE_PLANE: f64 = 0.75;
+const FEW_OFF: f64 = 0.1;
 /// Matches off the plane that determine F.
 const OFF_SAMPLE: usize = 2;
 
@@ -67,7 +70,13 @@ pub struct Planarity {
     pub share: f64,
     /// Standard deviation of a coordinate in px, from the median distance from the fundamental matrix.
     pub sigma_px: f64,
-    /// Number of inliers off the plane, and of all matches off it.
+    /// Number of inliers of the fundamental matrix.
+    pub inliers: usize,
+    /// Number of those that are no outliers of the homography.
+    pub explained: usize,
+    /// Number of all matches.
+    pub matches: usize,
+    /// Number of inliers clearly off the plane, and of all matches clearly off it.
     pub off: [usize; 2],
     /// Whether as many would agree with some fundamental matrix by chance.
     pub is_chance: bool,
@@ -100,6 +109,9 @@ impl Planarity {
             of_fundamental: FUNDAMENTAL.criterion(&of_matrix, sigma_px),
             of_homography: HOMOGRAPHY.criterion(&errors, sigma_px),
             share: on as f64 / inliers.len() as f64,
+            inliers: inliers.len(),
+            explained: on,
+            matches: matches.len(),
             sigma_px,
             off: [agreeing, all.len()],
             is_chance: Doubt::by_chance(OFF_SAMPLE, [agreeing, all.len()], share).is_some(),
@@ -109,6 +121,11 @@ impl Planarity {
     /// Whether the homography is the better model of the inliers.
     pub fn is_homography_better(&self) -> bool {
         self.of_homography < self.of_fundamental
+    }
+
+    /// Whether nearly all matches follow the homography, so that the scene is one plane or the camera only rotated.
+    pub fn is_one_plane(&self) -> bool {
+        self.share >= ONE_PLANE && (self.off[1] as f64) < FEW_OFF * self.matches as f64
     }
 
     /// Whether the fundamental matrix is not determined: the homography is the better model, and matches off the plane agree by chance alone.

@@ -10,7 +10,10 @@ use crate::data::Detection;
 use crate::geometry::Bounds;
 use crate::geometry::Grid;
 use crate::methods::numbers::{fixed, px, ratio};
-use crate::products::{ObjectFrame, TrackStatus, objects::score::Matches};
+use crate::products::{
+    ObjectFrame, TrackStatus,
+    objects::score::{Matches, Scores},
+};
 use crate::scene::{Fact, Matrix, Picture, Readout, Sentence, Series, Shape};
 use crate::scene::{Role, Scene};
 
@@ -211,9 +214,17 @@ pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) 
         let frame = conclusion.frame.map_or_else(String::new, of_frame);
         return counts + &frame + &tracks.unwrap_or_default() + &overconfidence + &stationary;
     };
-    let [mota, idf1] = [run.mota, run.idf1].map(ratio);
-    let scores = format!(" Run: MOTA {mota}, IDF1 {idf1}, {}.", plural(run.switches, "identity switch", "es"));
+    let figures = |of: Scores| {
+        let [mota, idf1] = [of.mota, of.idf1].map(ratio);
+        format!("MOTA {mota}, IDF1 {idf1}, {}", plural(of.switches, "identity switch", "es"))
+    };
+    let (scores, live) = (figures(run), conclusion.live.map(figures));
+    // Both names appear only where the figures differ.
+    let live = live.filter(|live| *live != scores);
+    let when = if live.is_some() { "Run with hindsight" } else { "Run" };
+    let scores = format!(" {when}: {scores}.");
     let rates = format!(" Precision {}, recall {}.", fixed(run.precision, 2), fixed(run.recall, 2));
+    let live = live.map_or_else(String::new, |live| format!(" In real time, without hindsight: {live}."));
     let worst = most_errors(&conclusion.worst);
     let (misses, alarms) = (run.truths - run.matches, run.hypotheses - run.matches);
     let advice = match run.switches {
@@ -222,9 +233,14 @@ pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) 
             " Identities are kept by a motion model that fits (turns need one), and through misses by a larger maximum age."
         }
         _ if !overconfidence.is_empty() => " Too small gates reject detections of their own objects.",
-        _ if misses > alarms && 2 * conclusion.hidden.unwrap_or(0) > misses => {
-            " Most errors are misses of occluded objects: coasting tracks, like tentative ones, do not count as matches."
-        }
+        _ if misses > alarms && 2 * conclusion.hidden.unwrap_or(0) > misses => match conclusion.is_interpolated {
+            true => {
+                " Most errors are misses of occluded objects: there is no track before the first detection, and the boxes of a coasting track count only where a later match lets them be interpolated."
+            }
+            false => {
+                " Most errors are misses of occluded objects: there is no track before the first detection, and coasting tracks do not count as matches."
+            }
+        },
         _ if misses > alarms && conclusion.hidden.is_some() => {
             " Most errors are misses of visible objects. The detections are the true boxes with noise, so the tracker loses them: compare process noise, gate and minimum number of hits."
         }
@@ -238,7 +254,7 @@ pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) 
             " Most errors are false alarms: raise the minimum number of hits or the score thresholds, or lower the maximum age."
         }
     };
-    counts + &scores + &rates + &worst + &overconfidence + advice + &stationary
+    counts + &scores + &rates + &live + &worst + &overconfidence + advice + &stationary
 }
 
 /// The tracks that the minimum travel has kept tentative in words, or nothing.

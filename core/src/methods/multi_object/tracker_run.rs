@@ -8,14 +8,14 @@ use super::dynamics::Dynamics;
 use super::lifecycle::{Rules, TrackAge};
 use super::source::{Detector, Noise, Source, SourceSettings, default_detector};
 use crate::base::Error;
-use crate::data::{Clip, Detection};
+use crate::data::{Clip, Detection, ObjectBox};
 use crate::geometry::Bounds;
 use crate::methods::kalman::{ConsistencyTest, Filter};
 use crate::params;
 use crate::params::Spots;
 use crate::products::{
     Followed, Object, ObjectField, ObjectFrame, TrackStatus, Watched,
-    objects::score::{Matches, Scores, scored_boxes, scores_on},
+    objects::score::{Matches, Scores, errors_on, scored_boxes, scores_on},
 };
 use crate::run::{Foreground, Granularity, Progress, Span, Stage, need};
 
@@ -65,11 +65,15 @@ pub struct Conclusion {
     pub frame: Option<Matches>,
     /// The number of tracks that were confirmed in the run, at its end.
     pub tracks: Option<usize>,
-    /// The scores of the run, at its end.
+    /// The scores of the run, at its end: with hindsight, where the rules use it.
     pub run: Option<Scores>,
+    /// The scores of the same run in real time, where hindsight has changed its tracks.
+    pub live: Option<Scores>,
+    /// Whether the boxes of coasted frames are interpolated once a track is matched again, and then count.
+    pub is_interpolated: bool,
     /// The frames of the run with the most misses and false alarms, at its end.
     pub worst: Vec<(usize, Matches)>,
-    /// The true boxes of the run that the source did not detect, at its end; `None` where the source is not the truth.
+    /// The misses of the run that the source did not detect, at its end; `None` where the source is not the truth.
     pub hidden: Option<usize>,
     /// The test of the mean NIS of the detections of confirmed tracks, at its end.
     pub consistency: Option<ConsistencyTest>,
@@ -222,13 +226,18 @@ impl TrackerRun {
 
     /// Adds a finished frame.
     pub fn note(&mut self, clip: &Clip, rules: Rules, frame: Arc<ObjectFrame>) -> Progress {
-        let mut live = Arc::clone(&frame);
+        self.live.push(self.in_real_time(rules, &frame));
+        self.frames.push(frame);
+        if self.span.is_over(clip, self.frame()) { Progress::Done } else { Progress::More }
+    }
+
+    /// Returns a frame that is not noted yet as it is in real time.
+    fn in_real_time(&self, rules: Rules, frame: &Arc<ObjectFrame>) -> Arc<ObjectFrame> {
+        let mut live = Arc::clone(frame);
         if rules.backdate && self.frames.len() < rules.min_hits {
             rules.confirm_early(self.frames.len(), Arc::make_mut(&mut live));
         }
-        self.live.push(live);
-        self.frames.push(frame);
-        if self.span.is_over(clip, self.frame()) { Progress::Done } else { Progress::More }
+        live
     }
 
     /// Applies hindsight to the earlier frames of a matched track: confirms its tentative frames and interpolates its coasted
@@ -285,6 +294,8 @@ impl TrackerRun {
         }
         let mut field = self.field();
         field.frames.push(Arc::clone(frame));
+        let mut live = self.live_field();
+        live.frames.push(self.in_real_time(rules, frame));
         let all = field.frames.iter().enumerate().filter_map(|(i, frame)| {
             let t = self.span.first + i;
             Some((t, matches(clip, t, frame)?))
@@ -298,19 +309,25 @@ impl TrackerRun {
             frame: matches(clip, self.frame(), frame),
             tracks: Some(confirmed.collect::<BTreeSet<u32>>().len()),
             run: scores_on(clip, &field).ok().flatten(),
+            live: Some(live).filter(|live| *live != field).and_then(|live| scores_on(clip, &live).ok().flatten()),
+            is_interpolated: rules.interpolate,
             worst: all.into_iter().filter(|(_, all)| most > 0 && errors(all) == most).collect(),
-            hidden: self.hidden(clip),
+            hidden: self.hidden(clip, &field),
             consistency: dynamics.and_then(|dynamics| consistency(&field, dynamics)),
             stationary: stationary(&field, rules),
         }
     }
 
-    /// The true boxes of all frames that the source did not detect.
-    fn hidden(&self, clip: &Clip) -> Option<usize> {
+    /// The misses of all frames that the source did not detect. Hindsight matches some of the boxes that it did not detect.
+    fn hidden(&self, clip: &Clip, field: &ObjectField) -> Option<usize> {
         let truth = clip.truth().filter(|_| self.detector.is_truth())?;
-        let frames = self.span.first..=self.frame();
-        let objects = frames.filter_map(|t| truth.objects(t).ok().flatten()).flatten();
-        Some(objects.filter(|object| self.detector.detects(object) == Some(false)).count())
+        let errors = errors_on(clip, field).ok().flatten()?;
+        let undetected = errors.iter().map(|errors| {
+            let objects = truth.objects(errors.frame).ok().flatten().unwrap_or_default();
+            let is_missed = |object: &ObjectBox| errors.misses.iter().any(|(id, _)| *id == object.id);
+            objects.iter().filter(|object| is_missed(object) && self.detector.detects(object) == Some(false)).count()
+        });
+        Some(undetected.sum())
     }
 
     /// Returns the position of the run.

@@ -3,13 +3,13 @@
 use super::content;
 use super::ending::{FAIR, GROWN};
 use super::regained::Regained;
-use super::start::Origin;
+use super::start::{Origin, WHOLE};
 use super::{At, Ending, Event, Explained, Outcome, RegionTracking, State, line, plots};
 use crate::base::words::{counted, fixed, place};
 use crate::data::Clip;
 use crate::methods::numbers::{px, ratio};
-use crate::products::region::{NEAR_PX, RegionError, RegionScores, area_ratio, covered, success};
-use crate::products::{Region, RegionFrame};
+use crate::products::region::{NEAR_PX, RegionError, RegionScores, Sight, area_ratio, covered, success};
+use crate::products::{Region, RegionField, RegionFrame};
 use crate::run::Seen;
 use crate::scene::{Fact, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
 
@@ -112,7 +112,7 @@ impl<T: Explained> RegionTracking<T> {
                 )
                 .text(self.caveat(seen))
         };
-        let Some(error) = error_of_last(seen) else { return said };
+        let Some(error) = error_of_last(seen) else { return said.text(unseen_here(seen).unwrap_or_default()) };
         let verdict = match (verdict(&error), error.overlap) {
             (None, _) => String::new(),
             (Some(verdict), 0.0) => format!(": {verdict}"),
@@ -167,6 +167,8 @@ impl<T: Explained> RegionTracking<T> {
             false => said.text(regained::<T>(after, &errors).unwrap_or_default()),
         };
         let said = said.text(content::told(seen.clip, &after.mask_field(), &errors).unwrap_or_default());
+        let vanished = Vanished::of(&after.field(), seen.clip);
+        let said = said.text(vanished.as_ref().map_or_else(String::new, Vanished::sentence));
         let at = Self::at_last(seen);
         let said = said.text(
             at.as_ref().and_then(|at| self.0.summary(at)).map(|summary| format!(" {summary}")).unwrap_or_default(),
@@ -177,6 +179,11 @@ impl<T: Explained> RegionTracking<T> {
                 T::SIMILARITY.shared_by,
                 T::SIMILARITY.name
             ));
+        }
+        // The last regions are off because there is little or nothing to see, whatever a tracker compares.
+        let tells_cause = T::JUDGES_LOSS && ending.loss.is_some();
+        if vanished.is_some() && !tells_cause && !matches!(ending.outcome, Outcome::Followed | Outcome::Regained) {
+            return said;
         }
         let advice = at.map(|at| self.0.advice(ending, &at));
         said.text(advice.map(|advice| format!(" {advice}")).unwrap_or_default())
@@ -282,6 +289,49 @@ fn errors<M>(clip: &Clip, state: &State<M>) -> Vec<RegionError> {
 fn error_of_last<T: Explained>(seen: &Seen<RegionTracking<T>>) -> Option<RegionError> {
     let after = seen.after?;
     after.field().error_of(seen.clip, after.past.len().checked_sub(1)?).ok().flatten()
+}
+
+/// What the truth says of a frame that has just ended without a visible object.
+fn unseen_here<T: Explained>(seen: &Seen<RegionTracking<T>>) -> Option<&'static str> {
+    let after = seen.after?;
+    match after.field().sight(seen.clip, after.past.len().checked_sub(1)?).ok()?? {
+        Sight::Seen(_) => None,
+        Sight::Hidden => Some(" By the ground truth the object is wholly hidden, so this frame is not scored."),
+        Sight::Absent => Some(" By the ground truth the object is not in the picture, so this frame is not scored."),
+    }
+}
+
+/// An object that cannot be seen at the end of a run.
+struct Vanished {
+    /// The first of the last frames in which it is not wholly visible.
+    from: usize,
+    /// The first of the last frames in which no part of it can be seen.
+    gone: usize,
+    /// Why, there.
+    sight: Sight,
+}
+
+impl Vanished {
+    /// That of a run; none where the object is visible in the last frame or not known.
+    fn of(field: &RegionField, clip: &Clip) -> Option<Self> {
+        let last: Vec<(usize, Sight)> = (1..field.frames.len())
+            .rev()
+            .map_while(|index| Some((field.first + index, field.sight(clip, index).ok()??)))
+            .take_while(|(_, sight)| !matches!(sight, Sight::Seen(share) if *share >= WHOLE))
+            .collect();
+        let is_gone = |(_, sight): &&(usize, Sight)| !matches!(sight, Sight::Seen(_));
+        let (gone, sight) = *last.iter().take_while(is_gone).last()?;
+        Some(Self { from: last.last().map_or(gone, |(frame, _)| *frame), gone, sight })
+    }
+
+    fn sentence(&self) -> String {
+        let Self { from, gone, sight } = self;
+        let fading = if from < gone { format!(" disappears from frame {from} on and") } else { String::new() };
+        let state = if *sight == Sight::Absent { "not in the picture" } else { "wholly hidden" };
+        format!(
+            " By the ground truth the object{fading} is {state} from frame {gone} on, where no tracker can see it and no frame is scored."
+        )
+    }
 }
 
 /// What is wrong with a region that has an overlap below 0.5.

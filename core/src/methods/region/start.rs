@@ -49,7 +49,7 @@ const PART: usize = 4;
 /// The least overlap of a placed region with the true object that it is on.
 const LEAST_OVERLAP: f32 = 0.1;
 /// A true object is wholly visible if this share of it is.
-const WHOLE: f32 = 0.99;
+pub(super) const WHOLE: f32 = 0.99;
 
 /// The source of a region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

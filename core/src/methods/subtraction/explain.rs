@@ -315,12 +315,21 @@ impl Conclusion {
             ),
         };
         let mask = self.of_mask();
-        if camera.is_empty() { format!("{score}{mask}{}", self.advice(all)) } else { format!("{score}{mask}{camera}") }
+        if camera.is_empty() {
+            format!("{score}{mask}{}", self.advice(all, flooded[1]))
+        } else {
+            format!("{score}{mask}{camera}")
+        }
+    }
+
+    /// The displacement of the background since the first frame in px, where the camera is known to have moved.
+    fn camera_moved(&self) -> Option<[f32; 2]> {
+        self.camera.filter(|by| by[0].hypot(by[1]) > 1.0)
     }
 
     /// A flooded mask with its cause, and what to use instead.
     fn of_camera(&self, [cause, advice]: [&str; 2]) -> String {
-        let by = self.camera.filter(|by| by[0].hypot(by[1]) > 1.0);
+        let by = self.camera_moved();
         if self.differing < if by.is_some() { FLOODED_BY_MOTION } else { FLOODED } {
             return String::new();
         }
@@ -331,8 +340,8 @@ impl Conclusion {
     }
 
     /// What to change, by the errors of the mask where its truth is known, otherwise by those of the boxes: a box that overlaps a true one
-    /// by too little is a miss and a false alarm, whatever the threshold is.
-    fn advice(&self, boxes: Matches) -> String {
+    /// by too little is a miss and a false alarm, whatever the threshold is. `of_camera` is the advice for a moving camera.
+    fn advice(&self, boxes: Matches, of_camera: &str) -> String {
         if self.ghosts > 0 {
             return format!(
                 " {} where an object of the first frame has left: initialise with the median, or let the model learn faster.",
@@ -367,10 +376,19 @@ impl Conclusion {
                 " Most errors are misses ({}): try a lower threshold, a smaller opening or a smaller minimum area.",
                 number(misses)
             ),
-            () if misses < alarms => format!(
-                " Most errors are false alarms ({}): try a higher threshold, a larger opening or a larger minimum area.",
-                number(alarms)
-            ),
+            () if misses < alarms => match self.camera_moved() {
+                // Neither a threshold nor an opening registers the frames.
+                Some(by) => format!(
+                    " Most errors are false alarms ({}), and the camera moves: the background is displaced by {} px since the first frame. \
+                     A shift follows it only roughly, so edges of the background remain as foreground. {of_camera}",
+                    number(alarms),
+                    words::place(by)
+                ),
+                None => format!(
+                    " Most errors are false alarms ({}): try a higher threshold, a larger opening or a larger minimum area.",
+                    number(alarms)
+                ),
+            },
             () => format!(
                 " {} and {}.",
                 counted(misses, ["miss", "misses"]),
@@ -755,9 +773,15 @@ mod tests {
 
     #[test]
     fn advice_is_for_many_errors_of_one_kind() {
-        let advice = |truths, estimates, pairs| Conclusion::default().advice(Matches { truths, estimates, pairs });
+        let of = |conclusion: Conclusion, truths, estimates, pairs| {
+            conclusion.advice(Matches { truths, estimates, pairs }, "Compensate the motion.")
+        };
+        let advice = |truths, estimates, pairs| of(Conclusion::default(), truths, estimates, pairs);
         assert_eq!([advice(500, 499, 499), advice(10, 10, 10)], ["", ""]);
         assert!(advice(10, 5, 5).contains("misses (5): try a lower threshold"));
         assert!(advice(5, 10, 5).contains("false alarms (5): try a higher threshold"));
+        let moved = of(Conclusion { camera: Some([-3.0, 0.5]), ..Conclusion::default() }, 5, 10, 5);
+        assert!(moved.contains("the camera moves") && moved.ends_with("Compensate the motion."), "{moved}");
+        assert!(!moved.contains("threshold"), "{moved}");
     }
 }

@@ -12,8 +12,9 @@ use crate::synth::{
 pub const SAMPLE: Sample = Sample {
     id: "formation",
     title: "Formation: two objects side by side",
-    teaches: "Two boats keep a distance of 10 px for the whole clip. With noisy detections each lies in the gate of both tracks: soft association \
-              averages them and draws the tracks together (coalescence); hypotheses, which assign each detection to one track, keep them apart.",
+    teaches: "Two boats keep a distance of 10 px for the whole clip. Where the noise of the detections is large for this distance, each lies in \
+              the gate of both tracks. Soft association then averages them and can draw the tracks together (coalescence); at the default noise \
+              it keeps them apart. Hypotheses assign each detection to one track.",
     tune: |d| d.frames = 48,
     path: Path::REST,
     scenery: Scenery::Flat(layers),

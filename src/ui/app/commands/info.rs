@@ -316,11 +316,18 @@ impl Command {
                 "Show the previous chart of the step.",
                 const { &[shift(Key::N)] },
             ),
+            C::NextPicture => (
+                Menu::View,
+                Icon::GalleryThumbnails,
+                "Next picture large",
+                "Make the next of the pictures the large one.",
+                const { &[key(Key::V)] },
+            ),
             C::Lecture => (
                 Menu::View,
                 Icon::Presentation,
                 "Lecture",
-                "Stage and chart large, with sentence and formula below; everything else in drawers.",
+                "Sentence and formula in large type beside the pictures, and nothing else until it is asked for.",
                 const { &[key(Key::L)] },
             ),
             C::FullScreen => (

@@ -1,11 +1,12 @@
 //! The explanation and the drawing of phase correlation.
 
 use super::doubt::Doubt;
-use super::{Event, PhaseCorrelation, Stage, State, Subpixel, larger_side, line, spectrum};
+use super::{Event, PhaseCorrelation, Stage, State, Subpixel, larger_side, line, spectrum, unexplained};
 use crate::base::words::{fixed, grouped};
 use crate::geometry::Grid;
 use crate::methods::differential::numbers;
-use crate::products::metrics;
+use crate::methods::numbers::percent;
+use crate::products::{FlowError, metrics};
 use crate::run::Seen;
 use crate::scene::{
     BetweenPixels, Fact, Math, Matrix, Picture, Readout, Role, Scene, Sentence, Shape, Step, Surface, Tile,
@@ -17,6 +18,9 @@ const CELLS: usize = 96;
 const REACH: i32 = 32;
 /// A peak this many times as high as the second is distinct.
 const DISTINCT: f64 = 2.0;
+/// Above this share of the picture that moves otherwise, one translation explains only a part; up to the other one it explains all.
+const PART: f64 = 0.1;
+const LITTLE: f64 = 0.01;
 /// A peak of this height has most phases in common.
 const AGREEMENT: f64 = 0.5;
 
@@ -34,6 +38,30 @@ fn frame(i: usize) -> &'static str {
 
 fn name(i: usize) -> &'static str {
     ["G₁", "G₂"][i]
+}
+
+/// How much of the picture a translation with a distinct peak explains, by the ground truth, without it by the pictures.
+fn explained(state: &State, error: Option<&FlowError>) -> String {
+    let by_truth = error.map(|error| {
+        let share = error.beyond[1];
+        (share, format!("by the ground truth {} of the pixels move otherwise by more than 1 px", percent(share)))
+    });
+    let by_pictures = || {
+        let pair = state.fixed.pair.each_ref().map(|frame| frame.luma());
+        let share = unexplained::share(pair, state.translation())?;
+        let what = "of the 8×8 blocks still differ clearly after the displacement: they move otherwise, are hidden or have changed";
+        Some((share, format!("{} {what}", percent(share))))
+    };
+    match by_truth.or_else(by_pictures) {
+        Some((share, evidence)) if share > PART => {
+            format!("but one translation explains only a part of the picture: {evidence}.")
+        }
+        Some((share, evidence)) if share > LITTLE => {
+            format!("so one translation explains the motion of most of the picture; {evidence}.")
+        }
+        Some(_) => "so one translation explains the motion.".to_owned(),
+        None => "but the frames overlap too little to tell how much of the picture it explains.".to_owned(),
+    }
 }
 
 /// The evidence against the highest peak in words.
@@ -268,7 +296,7 @@ impl PhaseCorrelation {
             said.text("Translation of the whole picture: ").ink(Role::Result, exact(state.translation())).text(".");
         let truth = state.fixed.truth.as_deref();
         let error = truth.and_then(|truth| metrics::flow_error(&model.displacements_of_pixels(), truth).ok().flatten());
-        let said = match error {
+        let said = match &error {
             Some(error) => said.text(format!(" Mean endpoint error over all pixels: {} px.", fixed(error.epe_px, 3))),
             None => said,
         };
@@ -285,7 +313,8 @@ impl PhaseCorrelation {
                  features.",
                 fixed(height, 3)
             ),
-            _ => format!(" The peak of {} stands out, so one translation explains the motion.", fixed(height, 3)),
+            // One peak may be that of most of the picture only.
+            _ => format!(" The peak of {} stands out, {}", fixed(height, 3), explained(state, error.as_ref())),
         };
         said.text(advice)
     }

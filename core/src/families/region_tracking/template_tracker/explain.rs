@@ -29,6 +29,8 @@ fn fine(length: f64) -> String {
 }
 
 impl Explained for TemplateTracker {
+    const JUDGES_LOSS: bool = true;
+
     fn sentence(&self, at: &At<'_, Self>) -> Sentence {
         let said = Sentence::default();
         match at.event {
