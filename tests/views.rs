@@ -572,7 +572,7 @@ fn marks_lie_in_their_picture_whatever_its_size() {
                 let zoom = (pane.size() / vec2(64.0, 48.0)).min_elem();
                 let side = frame.height() - theme.ink(role).width;
                 assert!(
-                    pane.expand(1.0).contains_rect(*frame) && (14.0..16.5).contains(&(side / zoom)),
+                    pane.expand(2.0).contains_rect(*frame) && (14.0..16.5).contains(&(side / zoom)),
                     "{frame:?} in {pane:?}"
                 );
             }

@@ -573,7 +573,7 @@ fn the_end_of_a_run_says_what_became_of_the_region() {
             &["times as large as the true box", "spread over a background of like hue"][..],
             "stood out",
         ),
-        ("particle-filter", &fast, &["1 failure", "All particles lie outside the picture"], "survived"),
+        ("particle-filter", &fast, &["1 failure", "is not in the picture from frame 17 on"], "survived"),
         ("particle-filter", &tunnel, &["The object was hidden in", "the velocity carried"], "outside the picture"),
         (
             "mean-shift",

@@ -91,12 +91,12 @@ fn faults(window: &Window) -> Vec<String> {
     // What is longer than its pane is scrolled there.
     let scrolled = [Region::Explanation, Region::Strip, Region::Parameters].map(|of| rects(window, of)).concat();
     let all = words(&window.harness.output().shapes);
-    if all.len() < 10 {
+    if all.len() < 5 {
         faults.push(format!("only {} words are in sight", all.len()));
     }
     for (i, Word { text, rect, clip }) in all.iter().enumerate() {
         let is_in = |pane: &Rect| pane.expand(2.0).contains(clip.center()) && pane.intersects(*rect);
-        let (min, max) = (clip.min - Vec2::splat(1.5), clip.max + Vec2::splat(1.5));
+        let (min, max) = (clip.min - Vec2::splat(2.0), clip.max + Vec2::splat(2.0));
         let is_wide = rect.min.x < min.x || rect.max.x > max.x;
         // The numbers of pixels and matrices are scrolled where not all of them have room.
         let is_pixel = text.chars().all(|c| c.is_ascii_digit() || ".−".contains(c));
@@ -119,6 +119,8 @@ fn faults(window: &Window) -> Vec<String> {
 /// Least share of the window's area that the pictures have, and of its height.
 fn least_shares(window: &Window) -> [f32; 2] {
     match () {
+        // Three in a row cannot have more of a window that is no wider.
+        () if window.has(Region::Lesson) && window.shown().tiles.len() > 2 => [0.30, f32::INFINITY],
         () if window.has(Region::Lesson) => [0.40, f32::INFINITY],
         () if !window.has(Region::Header) => [0.55, 0.70],
         () => [0.45, 0.60],
@@ -282,7 +284,7 @@ fn each_text(shape: &Shape, see: &mut impl FnMut(&TextShape)) {
 
 #[test]
 fn what_is_presented_can_be_read_in_the_last_row() {
-    let (mut sentences, mut labels) = (Vec::new(), 0);
+    let (mut sentences, mut labels) = (0, 0);
     for id in TOLD {
         let mut window = window(id, "0.0");
         window.command(Command::ProjectorTheme);
@@ -294,8 +296,8 @@ fn what_is_presented_can_be_read_in_the_last_row() {
             let is_sentence = |words: &str| words.split(' ').count() > 3;
             for strip in rects(&window, Region::Strip) {
                 if let Some(height) = x_height_px(&window, strip, is_sentence) {
-                    assert!(height >= 12.5, "{id}, step {step}: the x of a sentence has {height} px");
-                    sentences.push(height);
+                    assert!(height >= 14.5, "{id}, step {step}: the x of a sentence has {height} px");
+                    sentences += 1;
                 }
             }
             for chart in rects(&window, Region::Chart) {
@@ -306,10 +308,7 @@ fn what_is_presented_can_be_read_in_the_last_row() {
             }
         }
     }
-    // What is too long for its place is smaller rather than cut.
-    let large = sentences.iter().filter(|height| **height >= 15.5).count();
-    assert!(large * 10 >= sentences.len() * 9, "{large} of {} sentences", sentences.len());
-    assert!(sentences.len() > 40 && labels > 10, "{} sentences, {labels} charts", sentences.len());
+    assert!(sentences > 40 && labels > 10, "{sentences} sentences, {labels} charts");
 }
 
 /// Estimators with short sentences and long conclusions, with formulas of many lines, and with none.

@@ -330,6 +330,39 @@ fn the_list_of_lessons_is_gone_through_with_arrows() {
 }
 
 #[test]
+fn words_are_read_to_their_end_before_the_first_step_and_not_again() {
+    let mut window = opened("lesson:sequential-search/2");
+    window.command(Command::ProjectorTheme);
+    let has_more = |window: &Window| {
+        let buttons = window.harness.query_all_by_role(Role::Button).filter_map(|node| node.accesskit_node().label());
+        buttons.into_iter().any(|label| label.ends_with("more"))
+    };
+    let first = window.cursor();
+    assert!(has_more(&window), "the page has more words than room");
+    for _ in 0..9 {
+        if has_more(&window) {
+            window.key(Key::ArrowRight);
+            assert_eq!((window.cursor(), page(&window).0), (first, 2), "its words are read first");
+        }
+    }
+    assert!(!has_more(&window));
+    let mut before = first;
+    for _ in 0..4 {
+        window.key(Key::ArrowRight);
+        assert!(window.cursor() > before && page(&window).0 == 2, "each key is a step then");
+        before = window.cursor();
+    }
+    // Where the parameters have the place of the page, nothing is read.
+    window.key(Key::PageDown);
+    window.key(Key::PageUp);
+    assert_eq!(window.cursor(), first);
+    window.command(Command::ShowParameters);
+    assert!(window.has(Region::Parameters) && !window.has(Region::Lesson));
+    window.key(Key::ArrowRight);
+    assert!(window.cursor() > first);
+}
+
+#[test]
 fn a_chart_takes_the_place_of_the_formula_beside_a_page() {
     let mut window = opened("lesson:horn-schunck/3");
     window.command(Command::ProjectorTheme);

@@ -21,7 +21,7 @@ fn on_screen(window: &Window, at: [f32; 2]) -> Pos2 {
     let stage = window.harness.get_by_label_contains("Stage: ").rect();
     let (width, height) = window.shown().pictures.pair[0].size();
     let size = vec2(width as f32, height as f32);
-    // A picture that fits is 97 % as large as its pane.
+    // A picture that fits is as large as its pane.
     let scale = (stage.size() / size).min_elem();
     stage.center() + scale * (vec2(at[0], at[1]) + vec2(0.5, 0.5) - size / 2.0)
 }

@@ -357,8 +357,12 @@ fn row(fact: &Fact, RowLayout { width, margin, is_ruled, is_lit }: RowLayout, th
     if let Some(role) = fact.role {
         canvas.extend(tiles::swatch(role, theme, [0.0, (middle - SWATCH[1] / 2.0).round()]));
     }
-    canvas.text([left, middle], (Anchor::Start, place), fact.label, style);
-    let first = if beside { 0 } else { 1 };
+    let labels = wrap(&[Run::new(fact.label, dim)], size, width - left);
+    for (i, runs) in labels.iter().enumerate() {
+        let words: String = runs.iter().map(|run| run.text.as_str()).collect();
+        canvas.text([left, middle + i as f32 * height], (Anchor::Start, place), &words, style);
+    }
+    let first = if beside { 0 } else { labels.len() };
     let rows = values.len().max(1) + first;
     for (i, runs) in values.into_iter().enumerate() {
         let words: String = runs.into_iter().map(|run| run.text).collect();

@@ -66,10 +66,6 @@ pub fn head(data: HeatMap<'_>, map: &Map, area: Rect, pointed: Option<[i32; 2]>,
         canvas.fill(swatch, neutral(theme));
         right = swatch.min[0] - small;
     }
-    // Where words share rows, the end of the colour scale stands beside the name of the map.
-    if map.is_tight() {
-        right = right.min(map.rect.max[0] + 1.5 * small);
-    }
     // As far as the name of the map has room.
     let dim = Type::dim(theme);
     for (words, role) in signs(data.surface) {
@@ -78,6 +74,10 @@ pub fn head(data: HeatMap<'_>, map: &Map, area: Rect, pointed: Option<[i32; 2]>,
             canvas.text([right, y], (Anchor::End, Level::Middle), &words, dim.color(theme.word(role)));
             right = left - small;
         }
+    }
+    // Where words share rows, the end of the colour scale stands beside the name of the map.
+    if map.is_tight() {
+        right = right.min(map.rect.max[0] + 1.5 * small);
     }
     let (left, text) = (map.head_left(area, theme), Type::text(theme));
     let title = data.surface.title.to_string();

@@ -227,12 +227,12 @@ impl App {
         }
     }
 
-    /// Begins to place a parameter on the picture, on which no drawer may lie, or ends it.
+    /// Begins to place a parameter on the picture, or ends it.
     fn place(&mut self, index: Option<usize>) {
         self.states.stage.placing = index;
         if index.is_some() {
             self.presentation.pen.is_on = false;
-            self.settings.close_drawer();
+            self.settings.fold_parameters();
         }
     }
 
@@ -352,11 +352,11 @@ impl App {
 
     fn resize(&mut self, command: Command) {
         let (_, _, step) = ZOOM;
-        let zoom = self.settings.zoom();
+        // Where a small window has made it smaller than was asked for, it goes down from what is seen.
+        let zoom = self.settings.seen_zoom(self.ctx.zoom_factor());
         match command {
-            // Where a small window has made it smaller than was asked for, it goes down from what is seen.
-            Command::LargerInterface => self.settings.set_zoom(self.ctx.zoom_factor().min(zoom) + step),
-            Command::SmallerInterface => self.settings.set_zoom(self.ctx.zoom_factor().min(zoom) - step),
+            Command::LargerInterface => self.settings.set_zoom(zoom + step),
+            Command::SmallerInterface => self.settings.set_zoom(zoom - step),
             _ => self.settings.set_zoom(1.0),
         }
     }
@@ -369,7 +369,10 @@ impl App {
             Command::Lecture => self.lecture(),
             Command::EnlargeChart => self.settings.charts.is_enlarged = !self.settings.charts.is_enlarged,
             Command::NextChart | Command::PreviousChart => self.turn_charts(command == Command::PreviousChart),
-            _ => self.settings.reset_layout(),
+            _ => {
+                self.settings.reset_layout();
+                self.states.stage.forget_large();
+            }
         }
     }
 
@@ -394,6 +397,7 @@ impl App {
                 let was_single = self.shows_frame_alone();
                 let was_by_frame = self.document.estimator().is_by_frame();
                 self.states.stage.placing = None;
+                self.states.stage.forget_large();
                 self.states.stage.follow_again();
                 if self.document.parents().len() > 0 {
                     self.toasts

@@ -143,7 +143,7 @@ commands! {
     ShowParameters,
     /// The explanation's pane.
     ShowExplanation,
-    /// The panes below the stage.
+    /// The charts.
     ShowCharts,
     /// The chart in the place of the stage, or the stage again.
     EnlargeChart,

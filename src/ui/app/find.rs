@@ -61,6 +61,6 @@ impl App {
         let count = self.regions().iter().filter(|(region, _)| *region == Region::Chart).count().max(1);
         let seen = self.settings.charts.seen(&all, count);
         self.settings.charts.choose(0, pane, &seen);
-        self.settings.charts.is_preferred = true;
+        self.settings.charts.is_preferred |= self.arranged.0;
     }
 }

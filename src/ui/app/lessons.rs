@@ -9,7 +9,7 @@ use motionscope_core::{Cursor, Direction, Move};
 use crate::session::lesson::{Address, page_text};
 use crate::ui::app::action::Actions;
 use crate::ui::app::commands::Command;
-use crate::ui::app::window::{App, Overlay};
+use crate::ui::app::window::{App, Overlay, Region};
 use crate::ui::model::lesson::OpenLesson;
 use crate::ui::model::paper::OfPage;
 use crate::ui::model::snapshot::Snapshot;
@@ -40,7 +40,7 @@ impl App {
                 self.start = None;
                 self.close_lesson();
                 self.overlay = Overlay::None;
-                self.settings.close_drawer();
+                self.settings.fold_parameters();
                 self.lesson = Some(open);
                 self.show_page(at);
             }
@@ -107,6 +107,8 @@ impl App {
 
     /// Turns the page instead of `command`, where that is what a lesson is stepped through with; gives whether the command is done with.
     pub(super) fn turns_page(&mut self, command: Command) -> bool {
+        // The parameters may have the place of the page.
+        let is_seen = self.regions().iter().any(|(region, _)| *region == Region::Lesson);
         let Some(open) = &mut self.lesson else { return false };
         // The offer of the next lesson ends with whatever else is done.
         open.is_over &= matches!(command, Command::Into | Command::NextUnit);
@@ -131,16 +133,16 @@ impl App {
             let Some(shown) = shown.filter(|shown| shown.subject.experiment == session.experiment) else {
                 return false;
             };
+            let has_left = open.has_left(shown);
             let is_through = open.is_through(shown.cursor, way) || way == Direction::Forward && shown.at_end;
             // Words are read to their end before the first step is taken, and again from there on the way back.
-            let is_read = way == Direction::Forward || is_through;
-            if is_read && !is_over && self.states.lesson.read(way) {
+            if !has_left && !is_over && is_seen && self.states.lesson.read(way) {
                 return true;
             }
             if !is_through {
                 return false;
             }
-        } else if is_step && self.states.lesson.read(way) {
+        } else if is_step && is_seen && self.states.lesson.read(way) {
             return true;
         }
         match open.is_at(way) {
@@ -222,6 +224,7 @@ impl App {
     fn show_page(&mut self, at: Option<Cursor>) {
         let Some(open) = &mut self.lesson else { return };
         let Ok(mut session) = open.page().session.clone() else { return };
+        self.states.stage.forget_large();
         let name = open.address().name();
         self.player.pause();
         self.predict.turn_for_page(open.page().predicts);

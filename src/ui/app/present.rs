@@ -110,7 +110,7 @@ impl App {
         (self.presentation.is_on, self.presentation.is_blank) = (is_on, false);
         self.ctx.send_viewport_cmd(ViewportCommand::Fullscreen(is_on));
         if is_on {
-            self.settings.close_drawer();
+            self.settings.fold_parameters();
             // What only introduces the window is nothing for a class.
             self.toasts.end_introductions();
             // While results are asked about, digits count hands.
@@ -125,7 +125,7 @@ impl App {
         let Some(pane) = all.get(index) else { return };
         let seen = self.settings.charts.seen(&all, 1);
         self.settings.charts.choose(0, pane, &seen);
-        self.settings.charts.is_preferred = true;
+        self.settings.charts.is_preferred |= self.arranged.0;
     }
 
     /// Adds a line to the step on which it was drawn.

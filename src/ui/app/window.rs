@@ -6,7 +6,8 @@ use std::sync::mpsc::Receiver;
 
 use eframe::egui::{self, Align, CentralPanel, Frame, Label, Layout, Margin, Panel, RichText, TextStyle, Ui};
 use eframe::egui_wgpu::RenderState;
-use motionscope_core::{Cursor, Direction, Error, Move, Role};
+use motionscope_core::scene::Chart;
+use motionscope_core::{Cursor, Direction, Error, Move, Role, Step};
 
 use crate::experiment::side_by_side::SideBySide;
 use crate::experiment::source::Source;
@@ -308,7 +309,7 @@ impl App {
 
     /// Whether a larger interface fits into the window.
     fn can_be_larger(&self) -> bool {
-        let larger = self.settings.zoom().min(self.ctx.zoom_factor() / self.mode().zoom()) + ZOOM.2;
+        let larger = (self.settings.seen_zoom(self.ctx.zoom_factor()) + ZOOM.2) * self.mode().zoom();
         let type_pt = self.settings.look.theme.sizes().body;
         let fits = || layout::zoom_that_fits(larger, self.size(), type_pt, self.mode()) >= larger;
         self.settings.interface(self.size()).zoom < ZOOM.1 && fits()
@@ -461,13 +462,18 @@ impl App {
         self.regions = regions;
     }
 
-    /// The charts of the step that is explained.
-    pub(super) fn charts(&self) -> Vec<&'static Pane> {
-        let Some(shown) = self.view.shown.as_deref() else { return Vec::new() };
+    /// The step that is explained and the charts that its estimator can have.
+    fn explained(&self) -> Option<(&Step, &'static [Chart])> {
+        let shown = self.view.shown.as_deref()?;
         let (experiment, explained) = (&shown.subject.experiment, self.states.explained_of(shown));
         let step = shown.tiles.get(explained).map_or(&shown.step, |tile| &tile.step);
         let beside = explained.checked_sub(1).and_then(|i| experiment.side_by_side.beside.get(i));
-        charts(step, beside.map_or(&experiment.estimator, |companion| &companion.estimator).charts())
+        Some((step, beside.map_or(&experiment.estimator, |companion| &companion.estimator).charts()))
+    }
+
+    /// The charts of the step that is explained.
+    pub(super) fn charts(&self) -> Vec<&'static Pane> {
+        self.explained().map_or_else(Vec::new, |(step, of)| charts(step, of))
     }
 
     /// How much is told in the window as it is.
@@ -486,11 +492,6 @@ impl App {
         stage::pictures(stage::OnStage { pictures, look, stands, tiles }, theme, line)
     }
 
-    /// Whether any step of the estimator that is explained has a chart.
-    fn can_have_charts(&self) -> bool {
-        !self.document.estimator().charts().is_empty()
-    }
-
     /// The room between header and transport, for panes of what is shown.
     fn room(&self, body: egui::Rect, window: egui::Vec2) -> Room {
         let mode = self.mode();
@@ -504,10 +505,10 @@ impl App {
             folded,
             pictures: self.pictures(),
             charts: self.charts().len(),
-            can_have_charts: self.can_have_charts(),
+            can_have_charts: self.explained().is_none_or(|(_, of)| !of.is_empty()),
             page: self.lesson.as_ref().map(|open| LessonPage {
                 height: self.states.lesson.needed(),
-                is_read: self.view.shown.as_deref().is_some_and(|shown| shown.cursor != open.landing()),
+                is_read: self.view.shown.as_deref().is_some_and(|shown| open.has_left(shown)),
             }),
             question: self.asking(),
             // A chart is hidden during a question, and the pictures may have to be clicked.
@@ -689,16 +690,13 @@ impl App {
     }
 
     /// The lower left corner of messages, and their width. They lie over no picture: on the chart, which is seen again when they go, or
-    /// else on the words beside the stage, or above the strip or the transport.
+    /// else on the words, or above the transport.
     fn place_of_messages(&self, content: egui::Rect) -> (egui::Pos2, f32) {
+        use Region::{Chart, Explanation, Lesson, Parameters, Question, Strip, Transport};
+        let of = [Chart, Strip, Explanation, Parameters, Lesson, Question, Transport];
+        let place = of.into_iter().find_map(|region| self.region(region)).unwrap_or(content);
         let gap = egui::vec2(12.0, -8.0);
-        let beside =
-            [Region::Chart, Region::Explanation, Region::Lesson].into_iter().find_map(|region| self.region(region));
-        if let Some(beside) = beside {
-            return (beside.left_bottom() + gap, beside.width() - 2.0 * gap.x);
-        }
-        let below = [Region::Strip, Region::Transport].into_iter().find_map(|region| self.region(region));
-        (below.map_or(content.left_bottom(), |below| below.left_bottom()) + gap, content.width() - 2.0 * gap.x)
+        (place.left_bottom() + gap, place.width() - 2.0 * gap.x)
     }
 
     /// Says that what is held over the window can be dropped.

@@ -4,6 +4,7 @@ use motionscope_core::{Cursor, Direction, Error};
 
 use crate::paint::charts::prose::Prose;
 use crate::session::lesson::{Address, Lesson, Page, bundled};
+use crate::ui::model::snapshot::Snapshot;
 use crate::ui::model::watch::Watch;
 use crate::view::look::Look;
 
@@ -108,6 +109,13 @@ impl OpenLesson {
     /// Whether the run has been where the page begins.
     pub fn has_arrived(&self) -> bool {
         self.has_arrived
+    }
+
+    /// Whether the run of the page is `shown` at another step than its first.
+    pub fn has_left(&self, shown: &Snapshot) -> bool {
+        let session = self.page().session.as_ref().ok();
+        let session = session.filter(|session| self.has_arrived && shown.subject.experiment == session.experiment);
+        session.is_some_and(|session| shown.cursor != session.position.cursor.unwrap_or_default())
     }
 
     /// Whether no steps of the page are left from `cursor` on in that direction.

@@ -22,7 +22,7 @@ const KEY: &str = "motionscope";
 
 /// What is folded away by default in a working layout too narrow for the parameters.
 const NARROW: Folded = Folded { parameters: true, explanation: false, charts: false };
-/// What is folded away by default in a lecture: what would lie over the stage.
+/// What is folded away by default in a lecture: what has no room beside sentence and formula.
 const LECTURE: Folded = Folded { parameters: true, explanation: true, charts: false };
 
 /// Clips of which is remembered where they were left.
@@ -102,7 +102,7 @@ pub struct Settings {
     /// How the panes are arranged in the window as it is.
     #[serde(skip)]
     pub mode: Option<Mode>,
-    /// Whether the parameters would lie over the stage in the window as it is.
+    /// Whether the parameters have no place of their own in the window as it is.
     #[serde(skip)]
     pub is_narrow: bool,
 }
@@ -167,8 +167,8 @@ impl Settings {
         }
     }
 
-    /// Folds the parameters away where they lie over the pictures.
-    pub fn close_drawer(&mut self) {
+    /// Folds the parameters away where they have the place of the words.
+    pub fn fold_parameters(&mut self) {
         if self.mode.is_some_and(Mode::is_lecture) || self.is_narrow {
             self.folded_mut().parameters = true;
         }
@@ -203,6 +203,11 @@ impl Settings {
     /// Interface scale.
     pub fn zoom(&self) -> f32 {
         self.zoom
+    }
+
+    /// The part of the interface scale that a window with a zoom of `factor` in all has room for.
+    pub fn seen_zoom(&self, factor: f32) -> f32 {
+        self.zoom.min(factor / self.mode.map_or(1.0, layout::Mode::zoom))
     }
 
     /// Takes another interface scale, within bounds.

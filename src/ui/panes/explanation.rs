@@ -48,6 +48,8 @@ impl<'a> Input<'a> {
 const ROOMY: f32 = 30.0;
 /// Above and below the parts in their pane, in points.
 const PANE_MARGIN: f32 = 16.0;
+/// What a scrolled area clips at its right edge.
+const CLIPPED_PT: f32 = 2.0;
 /// Above and below a line of code.
 const CODE_MARGIN: f32 = 3.0;
 
@@ -61,7 +63,7 @@ fn density(height: f32, theme: Theme) -> Density {
 fn key_of(ui: &Ui, Input { info, theme, .. }: Input<'_>, before: Option<Key>) -> Key {
     let key = |density| Key {
         id: info.id,
-        width: (ui.available_width() - 2.0).max(0.0).round() as u32,
+        width: (ui.available_width() - CLIPPED_PT).max(0.0).round() as u32,
         window: ui.ctx().content_rect().height().round() as u32,
         theme,
         density,
@@ -396,7 +398,10 @@ pub fn strip(ui: &mut Ui, (input, room): (Input<'_>, StripRoom), state: &mut Str
     // It only grows, so that nothing jumps from step to step.
     if needed > state.height {
         state.height = needed;
-        ui.ctx().request_discard("the strip needs more height");
+        // Beside a chart below it, it takes of the chart's room.
+        if room.is_column {
+            ui.ctx().request_discard("the strip needs more height");
+        }
     }
     let room = ui.available_height();
     egui::ScrollArea::vertical().id_salt("strip").auto_shrink(false).max_height(room).show(ui, |ui| {

@@ -243,10 +243,12 @@ impl Panes {
 const DOCKED_LETTERS: f32 = 92.0;
 /// Width of the parameters, in letters.
 const PARAMETERS_LETTERS: f32 = 20.0;
+/// Least width in which they can be read.
+const LEAST_PARAMETERS: f32 = 16.0;
 /// Width from which two charts are seen at once below the pictures, in points.
 const TWO_CHARTS: f32 = 1600.0;
 /// The least window that everything has room in, in letters across and lines down: a smaller one has smaller type.
-pub const LEAST_LETTERS: Vec2 = vec2(56.0, 30.0);
+const LEAST_LETTERS: Vec2 = vec2(56.0, 30.0);
 /// The same without header and transport.
 const LEAST_PRESENTED: Vec2 = vec2(49.0, 27.0);
 /// Least height in which a chart can be read, and least width, in letters.
@@ -294,7 +296,11 @@ impl Mode {
 
     /// The type of sentence and formula in a theme whose usual type has `type_pt` points.
     pub fn told_pt(self, type_pt: f32) -> f32 {
-        if self.is_lecture() { (1.17 * type_pt).round() } else { type_pt }
+        match self {
+            Self::Working => type_pt,
+            Self::Lecture => (1.17 * type_pt).round(),
+            Self::Presenting => (1.28 * type_pt).round(),
+        }
     }
 
     /// The most of the column's height that small pictures beside a large one take.
@@ -312,7 +318,7 @@ impl Mode {
     fn least(self, is_beside_page: bool, way: Way) -> [f32; 2] {
         match self {
             // With the smaller pictures beside it a large one has 40 %.
-            _ if is_beside_page => [if way == Way::Large { 0.385 } else { 0.405 }, 2.0],
+            _ if is_beside_page => [if way == Way::Large { 0.385 } else { 0.405 }, f32::INFINITY],
             Self::Presenting => [0.56, 0.71],
             _ => [0.46, 0.62],
         }
@@ -443,6 +449,11 @@ impl Room {
         self.mode.is_lecture() || !self.folded.explanation
     }
 
+    /// Whether a step of the run may have a chart in sight.
+    fn may_have_charts(&self) -> bool {
+        self.can_have_charts && !self.folded.charts
+    }
+
     fn has_charts(&self) -> bool {
         self.charts > 0 && !self.folded.charts
     }
@@ -458,7 +469,7 @@ impl Room {
             (Side::Beside, _) => [15.0 * told, 18.0 * told],
             (Side::Below, Mode::Working) => [CHART_LETTERS[0] * self.type_pt, 15.0 * self.type_pt],
             (Side::Below, _) if self.page.is_some() => [6.5 * told, 11.0 * told],
-            (Side::Below, _) if self.can_have_charts && !self.folded.charts => [8.5 * told, 11.0 * told],
+            (Side::Below, _) if self.may_have_charts() => [8.5 * told, 11.0 * told],
             (Side::Below, _) => [6.0 * told, 7.5 * told],
         }
     }
@@ -493,7 +504,8 @@ impl Room {
     fn enlarge(&self, body: Rect, all: &mut Arrangement) {
         let hidden = Room { charts: 0, ..*self };
         if !self.is_told() && self.page.is_none() && self.question.is_none() {
-            all.charts = vec![body];
+            let rest = if self.folded.parameters || all.parameters.is_some() { body } else { self.dock(body, all) };
+            all.charts = vec![rest];
             return;
         }
         let is_wide = body.width() > body.height();
@@ -504,12 +516,12 @@ impl Room {
         };
         all.charts = vec![rest];
         hidden.tell(words, if is_wide { Side::Beside } else { Side::Below }, all);
-        self.cover(words, body, all);
+        self.cover(words, all);
     }
 
     /// Shares `body` out among pictures and words.
     fn share(&self, body: Rect, all: &mut Arrangement) {
-        if !self.is_told() && self.page.is_none() && self.question.is_none() && !self.has_charts() {
+        if !self.is_told() && self.page.is_none() && self.question.is_none() && !self.may_have_charts() {
             let rest = if self.folded.parameters || all.parameters.is_some() { body } else { self.dock(body, all) };
             all.stage = Some(rest);
             all.panes = Panes::Alike(self.pictures.split(rest));
@@ -517,9 +529,10 @@ impl Room {
         }
         let Candidate { side, way, words: usual_words, .. } = self.best(body);
         let extent = if side == Side::Beside { body.width() } else { body.height() };
-        let words = (usual_words * self.shares.column).clamp(0.2 * extent, 0.75 * extent);
+        let words = within(usual_words * self.shares.column, 0.2 * extent, 0.75 * extent);
         let words = if self.shares.column == 1.0 { usual_words } else { words.round() };
-        if side == Side::Below && !self.folded.parameters && all.parameters.is_none() {
+        let is_narrow = side == Side::Below || usual_words * self.shares.column < LEAST_PARAMETERS * self.type_pt;
+        if is_narrow && !self.folded.parameters && all.parameters.is_none() {
             // The stage gives way to them: they never lie over a picture.
             let rest = self.dock(body, all);
             return self.share(rest, all);
@@ -538,7 +551,7 @@ impl Room {
             Side::Beside => grip(region.min.x, region.y_range()),
             Side::Below => level_grip(region.min.y, region.x_range()),
         };
-        all.borders.push(Border { rect, of: Share::Column, per_pt: per_pt / usual_words });
+        all.borders.push(Border { rect, of: Share::Column, per_pt: per_pt / usual_words.max(1.0) });
         all.stage = Some(stage);
         let panes = self.pictures.panes(way, stage);
         let rest = match (way, panes.first()) {
@@ -553,18 +566,17 @@ impl Room {
             }
         };
         self.tell(rest, side, all);
-        self.cover(rest, body, all);
+        self.cover(rest, all);
     }
 
     /// The parameters come over the words where they have no place of their own.
-    fn cover(&self, words: Rect, body: Rect, all: &mut Arrangement) {
+    fn cover(&self, words: Rect, all: &mut Arrangement) {
         if self.folded.parameters || all.parameters.is_some() {
             return;
         }
-        let least = (16.0 * self.type_pt).min(0.45 * body.width());
-        let rect = if words.width() < least { words.with_min_x(words.max.x - least) } else { words };
-        all.parameters = Some(rect);
-        (all.page, all.told, all.question, all.charts) = (None, None, None, Vec::new());
+        all.parameters = Some(words);
+        (all.page, all.told, all.question) = (None, None, None);
+        all.charts.retain(|chart| !words.contains_rect(*chart));
         all.borders.retain(|border| border.of == Share::Column);
     }
 
@@ -581,20 +593,14 @@ impl Room {
             ways.iter().flat_map(|way| sides.map(|side| self.candidate(body, (side, tight), *way))).collect();
         let better = |a: &&Candidate, b: &&Candidate| a.has_share.cmp(&b.has_share).then(a.all.total_cmp(&b.all));
         let of = |is_large: bool| all.iter().filter(move |one| (one.way == Way::Large) == is_large).max_by(better);
-        let fallback = Candidate {
-            side: Side::Beside,
-            way: Way::Grid(1),
-            words: 0.4 * body.width(),
-            one: 0.0,
-            all: 0.0,
-            has_share: false,
-        };
         match (of(false), of(true)) {
             (Some(alike), Some(large)) if large.has_share && (!alike.has_share || alike.one < ALIKE * large.one) => {
                 *large
             }
             (Some(alike), _) => *alike,
-            (None, large) => large.copied().unwrap_or(fallback),
+            (None, large) => {
+                large.copied().unwrap_or_else(|| self.candidate(body, (Side::Beside, tight), Way::Grid(1)))
+            }
         }
     }
 
@@ -744,6 +750,7 @@ impl Room {
                 (told, charts, grip(charts.min.x, charts.y_range()))
             }
         };
+        let usual = usual.max(1.0);
         let per_pt = if side == Side::Beside { vec2(0.0, -1.0 / usual) } else { vec2(-1.0 / usual, 0.0) };
         all.borders.push(Border { rect: border, of: Share::Charts, per_pt });
         let most =
@@ -814,4 +821,125 @@ fn columns(rect: Rect, count: usize) -> Vec<Rect> {
         Rect::from_x_y_ranges(left..=right, rect.y_range())
     };
     (0..count).map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn room(size: Vec2, type_pt: f32, mode: Mode) -> Room {
+        let body = match mode {
+            Mode::Presenting => Rect::from_min_size(pos2(0.0, 0.0), size),
+            _ => Rect::from_min_max(pos2(0.0, 2.2 * type_pt), pos2(size.x, size.y - 3.4 * type_pt)),
+        };
+        let pictures = Pictures { header: 1.4 * type_pt, line: 1.9 * type_pt, size: (320, 240), ..Pictures::default() };
+        Room {
+            body,
+            window: size,
+            type_pt,
+            mode,
+            folded: Folded { parameters: true, explanation: mode.is_lecture(), charts: false },
+            pictures,
+            charts: 2,
+            can_have_charts: true,
+            page: None,
+            question: None,
+            is_enlarged: false,
+            prefers_chart: false,
+            told: 9.0 * type_pt,
+            shares: Shares::default(),
+        }
+    }
+
+    const SIZES: [[f32; 2]; 4] = [[1024.0, 768.0], [1280.0, 720.0], [1920.0, 1080.0], [500.0, 900.0]];
+
+    fn all_rooms() -> Vec<Room> {
+        let page = Some(LessonPage { height: 300.0, is_read: false });
+        let question = |is_open| Some(Asking { height: 80.0, is_open });
+        let mut all = Vec::new();
+        for size in SIZES.map(Vec2::from) {
+            for (type_pt, mode) in [(14.0, Mode::Working), (21.0, Mode::Lecture), (17.0, Mode::Presenting)] {
+                for (count, is_lockstep) in [(1, false), (2, false), (3, false), (3, true)] {
+                    for (page, question) in
+                        [(None, None), (page, None), (None, question(true)), (page, question(false))]
+                    {
+                        for fold in 0..32 {
+                            let is = |bit: usize| fold & bit > 0;
+                            let of = room(size, type_pt, mode);
+                            let folded = Folded { parameters: is(1), explanation: is(2), charts: is(4) };
+                            let pictures = Pictures { count, is_lockstep, ..of.pictures };
+                            let (is_enlarged, prefers_chart) = (is(8), is(16));
+                            all.push(Room { folded, pictures, page, question, is_enlarged, prefers_chart, ..of });
+                        }
+                    }
+                }
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn nothing_lies_over_anything_and_something_is_seen() {
+        for room in all_rooms() {
+            let all = room.arrange();
+            let small = if let Panes::Large(_, small, _) = &all.panes { small.clone() } else { Vec::new() };
+            let single = [all.stage, all.page, all.told, all.question, all.parameters];
+            let panes: Vec<Rect> =
+                single.into_iter().flatten().chain(all.charts.iter().copied()).chain(small).collect();
+            assert!(all.stage.is_some() || !all.charts.is_empty(), "{room:?}");
+            assert!(room.folded.parameters || all.parameters.is_some(), "{room:?}");
+            for (i, pane) in panes.iter().enumerate() {
+                assert!(room.body.expand(0.5).contains_rect(*pane), "{pane:?} leaves {room:?}");
+                assert!(pane.is_positive(), "{pane:?} of {all:?} in {room:?}");
+                let over = panes[..i].iter().find(|other| other.shrink(0.5).intersects(pane.shrink(0.5)));
+                assert_eq!(over, None, "{pane:?} of {all:?} in {room:?}");
+            }
+            let pictures = all.panes.of(0);
+            if let Some(stage) = all.stage {
+                let inside = |pane: &Rect| stage.contains_rect(*pane) || panes.contains(pane);
+                assert_eq!(pictures.len(), room.pictures.count, "{room:?}");
+                assert!(pictures.iter().all(inside), "{pictures:?} in {room:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_large_picture_has_its_place_among_the_others() {
+        let rect = |x: f32| Rect::from_min_size(pos2(x, 0.0), vec2(1.0, 1.0));
+        let panes = Panes::Large(rect(0.0), vec![rect(1.0), rect(2.0)], None);
+        assert_eq!(panes.of(1), [rect(1.0), rect(0.0), rect(2.0)]);
+        assert_eq!(panes.of(9), [rect(1.0), rect(2.0), rect(0.0)], "a picture that is not there");
+    }
+
+    #[test]
+    fn the_stage_stays_however_much_a_step_tells() {
+        for size in SIZES.map(Vec2::from) {
+            for mode in [Mode::Working, Mode::Lecture, Mode::Presenting] {
+                let stage = |told: f32, charts| Room { told, charts, ..room(size, 16.0, mode) }.arrange().stage;
+                assert_eq!(stage(0.0, 2), stage(900.0, 0), "{size:?}, {mode:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn small_windows_have_smaller_type() {
+        let zoom = |size: Vec2, type_pt| zoom_that_fits(1.0, size, type_pt, Mode::Lecture);
+        assert_eq!(zoom(vec2(1280.0, 720.0), 21.0), 1.0);
+        assert!((0.2..0.4).contains(&zoom(vec2(213.0, 160.0), 14.0)));
+        assert_eq!(zoom_that_fits(1.23, vec2(1280.0, 720.0), 21.0, Mode::Presenting), 1.23);
+    }
+
+    #[test]
+    fn dragging_a_border_makes_room_where_it_leads() {
+        let before = Room { folded: Folded::default(), ..room(vec2(1920.0, 1080.0), 14.0, Mode::Working) };
+        let arranged = before.arrange();
+        assert_eq!(arranged.borders.len(), 3);
+        for (i, border) in arranged.borders.iter().enumerate() {
+            let mut shares = before.shares;
+            *shares.of(border.of) += border.per_pt.x * 40.0 + border.per_pt.y * 40.0;
+            let after = Room { shares, ..before }.arrange();
+            let moved = after.borders[i].rect.min - border.rect.min;
+            assert!((moved.max_elem() - 40.0).abs() < 8.0, "{border:?} moves by {moved:?}");
+        }
+    }
 }

@@ -61,12 +61,15 @@ impl State {
         let rows = self.laid_out.as_ref().map_or(&[][..], |page| &page.rows);
         let to = match way {
             Direction::Forward if self.has_more() => {
-                let next = rows.iter().find(|[_, bottom]| *bottom > self.offset + seen + 0.5).map(|[top, _]| *top);
-                next.unwrap_or(all).max(self.offset + 1.0)
+                let next =
+                    rows.iter().find(|[_, bottom]| *bottom > self.offset + seen + 0.5).map_or(all, |[top, _]| *top);
+                // A row that is higher than the pane is read on within it.
+                if next < self.offset + 0.5 * seen { self.offset + seen } else { next }
             }
             Direction::Back if self.offset > 0.0 => {
                 let from = self.offset - seen;
-                rows.iter().map(|[top, _]| *top).find(|top| *top >= from).filter(|_| from > 0.0).unwrap_or(0.0)
+                let row = rows.iter().map(|[top, _]| *top).find(|top| *top >= from).unwrap_or(from);
+                (if row > self.offset - 0.5 * seen { from } else { row }).max(0.0)
             }
             _ => return false,
         };
@@ -134,6 +137,7 @@ pub fn show(ui: &mut Ui, rect: Rect, input: Input<'_>, state: &mut State, action
     let scroll = ScrollArea::vertical().id_salt("page").auto_shrink(false).max_height(seen);
     let scroll = if let Some(offset) = wanted { scroll.vertical_scroll_offset(offset) } else { scroll };
     let scrolled = scroll.show(&mut ui, |ui| {
+        let begin = ui.cursor().min.y;
         words(ui, (open, theme, beside), state, actions);
         let end = ui.cursor().min.y;
         if open.has_notes && !state.has_notes_elsewhere && !open.page().notes.is_empty() {
@@ -141,8 +145,10 @@ pub fn show(ui: &mut Ui, rect: Rect, input: Input<'_>, state: &mut State, action
             widgets::heading(ui, "Notes");
             ui.label(RichText::new(&open.page().notes).weak());
         }
-        // A page of words begins with a row wherever it is.
-        ui.add_space((seen - (ui.cursor().min.y - end)).max(0.0));
+        // Whatever is read on to begins with a row, the last one as well.
+        if end - begin > seen {
+            ui.add_space((seen - (ui.cursor().min.y - end)).max(0.0));
+        }
         end
     });
     let all = scrolled.inner + scrolled.state.clamped_offset().y - scrolled.inner_rect.min.y;
@@ -203,7 +209,7 @@ fn head(ui: &mut Ui, (open, back, has_notes): (&mut OpenLesson, Option<&str>, bo
     place.on_hover_text(&open.lesson().title);
     way(buttons, Command::PreviousPage, !open.is_at(Direction::Back));
     let font = eframe::egui::FontId::new(TextStyle::Heading.resolve(ui.style()).size, style::bold());
-    let width = buttons.min_rect().min.x - row.min.x - ui.spacing().item_spacing.x;
+    let width = (buttons.min_rect().min.x - row.min.x - ui.spacing().item_spacing.x).max(0.0);
     let title = ui.painter().layout(open.page().title.clone(), font, ui.visuals().strong_text_color(), width);
     let size = vec2(width, title.size().y.max(row.height()));
     let named = ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
@@ -224,6 +230,7 @@ fn words(
     let prose = match open.words() {
         Ok(prose) => prose,
         Err(why) => {
+            state.laid_out = None;
             ui.label(widgets::icon(ui, Icon::TriangleAlert).color(style::color(theme.chrome().error)));
             ui.label(format!("This page cannot be shown: {why}."));
             return;
@@ -304,5 +311,21 @@ mod tests {
             back += 1;
         }
         assert_eq!((back, state.offset), (3, 0.0));
+    }
+
+    #[test]
+    fn a_row_that_is_higher_than_the_pane_is_read_on_within_it() {
+        let rows = vec![[0.0, 100.0], [100.0, 400.0]];
+        let laid_out = LaidOut { rows, prose: Prose::default(), key: None, words: Part::default(), links: Vec::new() };
+        let mut state = State { laid_out: Some(laid_out), seen: [80.0, 400.0], ..State::default() };
+        for way in [Direction::Forward, Direction::Back] {
+            let mut count = 0;
+            while state.read(way) {
+                state.offset = state.wanted.take().unwrap_or_default();
+                count += 1;
+                assert!(count < 9, "{way:?} goes on for ever at {}", state.offset);
+            }
+        }
+        assert_eq!(state.offset, 0.0);
     }
 }

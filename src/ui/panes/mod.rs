@@ -235,14 +235,18 @@ impl Panes<'_> {
             if panes.is_stale() {
                 ui.multiply_opacity(0.4);
             }
+            let whole = ui.available_rect_before_wrap();
+            let (above, row) = match all.has_tabs() {
+                true => layout::with_row(whole, ui.spacing().interact_size.y),
+                false => (whole, whole),
+            };
+            let mut inside = ui.new_child(UiBuilder::new().id_salt("above").max_rect(above));
             match room {
-                Some(room) if all.has_tabs() => {
-                    let (above, row) = layout::with_row(ui.available_rect_before_wrap(), ui.spacing().interact_size.y);
-                    panes.strip(&mut ui.new_child(UiBuilder::new().id_salt("above").max_rect(above)), room);
-                    panes.tabs_of_formula(&mut ui.new_child(UiBuilder::new().id_salt("tabs").max_rect(row)));
-                }
-                Some(room) => panes.strip(ui, room),
-                None => panes.explanation(ui),
+                Some(room) => panes.strip(&mut inside, room),
+                None => panes.explanation(&mut inside),
+            }
+            if all.has_tabs() {
+                panes.tabs_of_formula(&mut ui.new_child(UiBuilder::new().id_salt("tabs").max_rect(row)));
             }
         });
     }

@@ -255,7 +255,7 @@ impl Items {
         shown
     }
 
-    /// Those that fit below each other in `height`, the colour scales before all, and how many are left.
+    /// Those that fit below each other in `room`, the colour scales before all, and how many are left.
     fn fitting_below(&self, room: egui::Vec2) -> Items {
         let total = self.entries.len() + self.bars.len();
         let lines = (room.y / line_height(self.theme)) as usize;

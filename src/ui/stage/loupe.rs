@@ -32,7 +32,9 @@ fn magnified(lens: Lens, at: Pos2, area: Rect) -> Lens {
 
 /// Shows the glass where the pointer is over a picture.
 pub fn show(ui: &Ui, spots: &[Spot<'_>], area: Rect, (input, state): (&Input<'_>, &mut State)) {
-    let at = ui.input(|i| i.pointer.hover_pos()).filter(|at| input.presenting.has_loupe && area.contains(*at));
+    let at = ui.input(|i| i.pointer.hover_pos()).filter(|_| input.presenting.has_loupe);
+    // Small pictures stand outside of it.
+    let area = spots.iter().fold(area, |all, spot| all.union(spot.lens.pane));
     let Some(glass) = at.and_then(|at| glass(spots, at, area)) else { return };
     let chrome = input.theme().chrome();
     let pane = glass.lens.pane;

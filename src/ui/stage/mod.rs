@@ -218,6 +218,11 @@ impl State {
         self.large.and_then(place).or_else(usual).unwrap_or(0)
     }
 
+    /// Lets the large picture be the usual one again.
+    pub fn forget_large(&mut self) {
+        self.large = None;
+    }
+
     /// Makes the next picture the large one.
     pub fn next_picture(&mut self) {
         self.large = self.panels.get((self.large_at + 1) % self.panels.len().max(1)).copied();
@@ -468,7 +473,7 @@ fn panes(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Respo
     if input.flows && spots.iter().any(moves) {
         ui.ctx().request_repaint_after_secs(FLOW_SECS);
     }
-    let aligned = |spot: &&Spot<'_>| spot.panel.picture().is_aligned_with(Picture::CURRENT);
+    let aligned = |spot: &&Spot<'_>| !spot.is_small && spot.panel.picture().is_aligned_with(Picture::CURRENT);
     let shown = spots.iter().rev().find(aligned).or(spots.last()).map(|spot| spot.lens);
     if state.shown != shown {
         // The scale is told above the pictures, which were placed only now.
@@ -508,11 +513,9 @@ fn panes(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Respo
         match input.lockstep {
             _ if matches!(input.presenting.hand, Hand::Draw(_)) => {}
             // A small one comes forward; nothing moves under it.
-            _ if spot.is_small && placing.is_none() => {
-                if sensed.clicked() {
-                    state.large = Some(panel.picture());
-                    ui.ctx().request_repaint();
-                }
+            _ if spot.is_small && placing.is_none() && sensed.clicked() => {
+                state.large = Some(panel.picture());
+                ui.ctx().request_repaint();
             }
             // The first click on another estimator is for its explanation; nothing moves under it.
             Some(all) if sensed.clicked() && all.explained != *member => response.explained = Some(*member),

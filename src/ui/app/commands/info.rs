@@ -327,7 +327,7 @@ impl Command {
                 Menu::View,
                 Icon::Presentation,
                 "Lecture",
-                "Sentence and formula in large type beside the pictures, and nothing else until it is asked for.",
+                "Sentence, formula and chart in large type beside the pictures; the rest of the explanation when it is asked for.",
                 const { &[key(Key::L)] },
             ),
             C::FullScreen => (
