@@ -238,7 +238,7 @@ fn beside_every_page_of_a_lesson_the_pictures_have_most_of_the_window() {
     let mut faults_of = Vec::new();
     let mut pages = 0;
     for lesson in lesson::all() {
-        let open = Some(Address::from(lesson).name().into());
+        let open = Some(Address::from(lesson).name());
         let mut window = Window::with(vec2(1280.0, 720.0), Start { open });
         window.command(Command::ProjectorTheme);
         for page in 1..=lesson.pages.len() {
