@@ -514,8 +514,8 @@ impl Room {
             true => split_x(body, body.width() - usual.min(0.45 * body.width()) - GAP),
             false => split_y(body, body.height() - usual.min(0.45 * body.height()) - GAP),
         };
-        all.charts = vec![rest];
         hidden.tell(words, if is_wide { Side::Beside } else { Side::Below }, all);
+        all.charts = vec![rest];
         self.cover(words, all);
     }
 
