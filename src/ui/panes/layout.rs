@@ -739,7 +739,7 @@ impl Room {
             }
         };
         let most = if has_both { extent - told_least } else { 0.75 * extent };
-        let chart = within(usual * self.shares.charts, 0.8 * chart_least, most.min(0.75 * extent));
+        let chart = within(usual * self.shares.charts, 0.8 * chart_least, most.min(0.75 * extent)).min(0.7 * extent);
         let (told, charts, border) = match side {
             Side::Beside => {
                 let (told, charts) = split_y(rest, extent - chart - GAP);
