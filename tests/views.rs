@@ -70,7 +70,7 @@ impl Fixture {
         let beside = Beside::new(&self.scene, self.walk.info().family, theme);
         let (info, step) = (self.walk.info(), &self.step);
         let input = explanation::Input { info, step, before: None, beside: &beside, at_end: false, theme };
-        explanation::show(ui, input, state);
+        explanation::show(ui, (input, false), state);
     }
 
     fn stage(&self) -> stage::Input<'_> {

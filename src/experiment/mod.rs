@@ -181,7 +181,7 @@ pub struct TakenRegion {
 }
 
 impl TakenRegion {
-    /// That of a run of `estimator` with its `output`; none where a region is placed, or none is tracked.
+    /// Returns the region that `estimator` started from, given its `output`; `None` if the user placed one, or none is tracked.
     pub fn of(estimator: &dyn AnyEstimator, output: &Output) -> Option<Self> {
         zone_at_default(estimator)?;
         let field: &RegionField = output.get()?;

@@ -15,7 +15,7 @@ pub struct Named {
     pub missing: Option<(Picture, Error)>,
 }
 
-/// The pictures of the step that was looked at last: whatever is pointed at there, they are made once.
+/// The pictures of the step that was looked at last: they are made once, and again where another row is pointed at.
 #[derive(Default)]
 pub struct LastNamed(RefCell<Option<(Cursor, Vec<Canvas>, Named)>>);
 
@@ -84,6 +84,16 @@ mod tests {
         last.of(at(2), &canvases(), read);
         assert_eq!(count.load(Ordering::Relaxed), 2);
         assert_eq!(last.of(at(2), &canvases()[..1], read).frames.len(), 1, "another choice of pictures");
+    }
+
+    #[test]
+    fn a_cut_is_made_anew_along_another_row() {
+        let cut =
+            |row: usize| [Canvas::made(Picture::REFERENCE, move || Frame::gray(Grid::new(4, 4, row as u8))).along(row)];
+        let read = |_| Err(Error::new("no frame of the clip"));
+        let last = LastNamed::default();
+        let shade = |row: usize| last.of(at(1), &cut(row), read).frames[0].1.luma()[(0, 0)];
+        assert_eq!([shade(3), shade(7), shade(7), shade(3)], [3, 7, 7, 3]);
     }
 
     #[test]

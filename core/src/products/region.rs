@@ -352,7 +352,8 @@ fn told(of: RegionScores) -> Assessment {
     let over = format!("over {}", counted(frames, "frame"));
     let lost = match frames - held {
         0 => over.clone(),
-        lost => format!("{over}, 0 in {} reported as lost", grouped(lost)),
+        1 => format!("{over}; 1 reported as lost counts as 0"),
+        lost => format!("{over}; {} reported as lost count as 0", grouped(lost)),
     };
     let center = match held {
         0 => "undefined: all frames are reported as lost".into(),
@@ -391,7 +392,7 @@ mod tests {
         let of = RegionScores::of(&errors).expect("frames");
         assert_eq!((of.overlap, of.precision, of.center_px, of.failures), (0.5, 0.5, 0.0, 0));
         let facts = told(of).facts;
-        assert!(facts[1].value.ends_with("over 2 frames, 0 in 1 reported as lost"), "{facts:?}");
+        assert!(facts[1].value.ends_with("over 2 frames; 1 reported as lost counts as 0"), "{facts:?}");
         assert!(facts[3].value.ends_with("over 1 frame, without those reported as lost"), "{facts:?}");
         assert!(RegionScores::of(&errors[1..]).is_some_and(|of| of.center_px.is_nan() && of.overlap == 0.0));
     }

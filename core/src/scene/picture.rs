@@ -225,17 +225,19 @@ pub struct Canvas {
     pub pixels: Pixels,
     /// The quantity that its grays stand for, if they are not gray levels of a frame.
     pub measured: Option<Measured>,
+    /// The row that it is a cut along, where the pixel pointed at decides that.
+    pub row: Option<usize>,
 }
 
 impl Canvas {
     /// The frame of the clip called `picture`.
     pub const fn of_clip(picture: Picture) -> Self {
-        Self { picture, pixels: Pixels::OfClip, measured: None }
+        Self { picture, pixels: Pixels::OfClip, measured: None, row: None }
     }
 
     /// A picture whose pixels are computed by `make` when it is shown.
     pub fn made(picture: Picture, make: impl Fn() -> Frame + Send + Sync + 'static) -> Self {
-        Self { picture, pixels: Pixels::Made(Arc::new(make)), measured: None }
+        Self { picture, pixels: Pixels::Made(Arc::new(make)), measured: None, row: None }
     }
 
     /// The same picture, whose grays stand for this quantity.
@@ -243,14 +245,22 @@ impl Canvas {
     pub fn of(self, measured: Measured) -> Self {
         Self { measured: Some(measured), ..self }
     }
+
+    /// The same picture as a cut along `row`: pointing at another row makes another picture.
+    #[must_use]
+    pub fn along(self, row: usize) -> Self {
+        Self { row: Some(row), ..self }
+    }
 }
 
 impl PartialEq for Canvas {
-    /// Whether name and kind of source are equal: pictures computed from the same state have the same pixels.
+    /// Whether name, kind of source and row are equal: pictures computed from the same state have the same pixels then.
     fn eq(&self, other: &Self) -> bool {
         let is_made = |canvas: &Self| matches!(canvas.pixels, Pixels::Made(_));
         let title = |canvas: &Self| canvas.measured.as_ref().map(|measured| measured.title.clone());
-        self.picture == other.picture && is_made(self) == is_made(other) && title(self) == title(other)
+        (self.picture, self.row) == (other.picture, other.row)
+            && is_made(self) == is_made(other)
+            && title(self) == title(other)
     }
 }
 

@@ -387,8 +387,8 @@ impl App {
 
     fn turn_charts(&mut self, is_back: bool) {
         let all = self.charts();
-        let (alternate, count) = self.arranged;
-        self.settings.charts.turn(&all, count.max(1), (is_back, alternate));
+        let (count, alternate) = (self.arranged.charts.len().max(1), self.arranged.alternates);
+        self.settings.charts.turn(&all, count, (is_back, alternate));
     }
 
     pub(super) fn choose(&mut self, id: &str) {

@@ -4,7 +4,7 @@ use motionscope_core::estimator;
 
 use crate::search::{Target, is_same_parameter};
 use crate::ui::app::action::Action;
-use crate::ui::app::window::{App, Overlay, Region};
+use crate::ui::app::window::{App, Overlay};
 use crate::ui::dialogs::terms;
 use crate::ui::panes::layout;
 use crate::view::panes::Pane;
@@ -58,9 +58,9 @@ impl App {
         if self.folded().charts {
             self.settings.toggle(layout::Pane::Charts);
         }
-        let count = self.regions().iter().filter(|(region, _)| *region == Region::Chart).count().max(1);
+        let count = self.arranged.charts.len().max(1);
         let seen = self.settings.charts.seen(&all, count);
         self.settings.charts.choose(0, pane, &seen);
-        self.settings.charts.is_preferred |= self.arranged.0;
+        self.settings.charts.is_preferred |= self.arranged.alternates;
     }
 }

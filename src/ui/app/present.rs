@@ -125,7 +125,7 @@ impl App {
         let Some(pane) = all.get(index) else { return };
         let seen = self.settings.charts.seen(&all, 1);
         self.settings.charts.choose(0, pane, &seen);
-        self.settings.charts.is_preferred |= self.arranged.0;
+        self.settings.charts.is_preferred |= self.arranged.alternates;
     }
 
     /// Adds a line to the step on which it was drawn.

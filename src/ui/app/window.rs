@@ -30,7 +30,7 @@ use crate::ui::model::settings::Settings;
 use crate::ui::model::trail::Trail;
 use crate::ui::model::walker::{View, Walker};
 use crate::ui::model::writer::Writing;
-use crate::ui::panes::layout::{self, Folded, LessonPage, Mode, Pictures, Room};
+use crate::ui::panes::layout::{self, Arrangement, Folded, LessonPage, Mode, Pictures, Room};
 use crate::ui::panes::{Panes, States};
 use crate::ui::panes::{question, start, status, topbar, transport};
 use crate::ui::parts::toasts::Toasts;
@@ -146,10 +146,8 @@ pub struct App {
     approached: Option<Cursor>,
     /// Where everything lay in the last frame.
     regions: Vec<(Region, egui::Rect)>,
-    /// Whether formula and chart share one place, and how many charts are seen.
-    pub(super) arranged: (bool, usize),
-    /// Whether one of several pictures is larger than the others.
-    has_large_picture: bool,
+    /// The panes of the last frame.
+    pub(super) arranged: Arrangement,
     pub(super) ctx: egui::Context,
 }
 
@@ -196,8 +194,7 @@ impl App {
             played: 0.0,
             approached: None,
             regions: Vec::new(),
-            arranged: (false, 0),
-            has_large_picture: false,
+            arranged: Arrangement::default(),
             ctx: ctx.clone(),
         })
     }
@@ -337,7 +334,7 @@ impl App {
             playing: self.player.is_playing(),
             lecture: self.settings.lecture,
             has_charts: !self.folded().charts && !self.charts().is_empty(),
-            has_large_picture: self.has_large_picture,
+            has_large_picture: self.arranged.stage.is_some() && self.arranged.panes.has_large(),
             has_enlarged: self.settings.charts.is_enlarged
                 && self.regions.iter().all(|(region, _)| *region != Region::Stage),
             can_be_larger: self.can_be_larger(),
@@ -462,7 +459,7 @@ impl App {
         self.regions = regions;
     }
 
-    /// The step that is explained and the charts that its estimator can have.
+    /// The step that is explained, and the charts of its estimator.
     fn explained(&self) -> Option<(&Step, &'static [Chart])> {
         let shown = self.view.shown.as_deref()?;
         let (experiment, explained) = (&shown.subject.experiment, self.states.explained_of(shown));
@@ -476,12 +473,12 @@ impl App {
         self.explained().map_or_else(Vec::new, |(step, of)| charts(step, of))
     }
 
-    /// How much is told in the window as it is.
+    /// The mode of the window as it is.
     fn mode(&self) -> Mode {
         self.settings.mode.unwrap_or(Mode::Working)
     }
 
-    /// The pictures on the stage just now, as far as the layout follows from them.
+    /// The pictures on the stage just now.
     fn pictures(&self) -> Pictures {
         let theme = self.settings.look.theme;
         let tools_pt = (!self.presentation.is_on).then(|| self.ctx.global_style().spacing.interact_size.y);
@@ -628,8 +625,6 @@ impl App {
             self.question_pane(ui, question, actions);
         }
         self.states.stage.end_frame(ui.ctx());
-        self.arranged = (all.alternates, all.charts.len());
-        self.has_large_picture = all.stage.is_some() && all.panes.has_large();
         let told = if all.strip.is_some() { Region::Strip } else { Region::Explanation };
         let single = [
             (Region::Stage, all.stage),
@@ -643,6 +638,7 @@ impl App {
         if all.stage.is_some() {
             regions.extend(self.states.stage.pictures().map(|rect| (Region::Pictures, rect)));
         }
+        self.arranged = all;
         // What was chosen on the stage is shown as soon as it is made.
         self.walker.look(&self.settings.look);
     }

@@ -22,7 +22,7 @@ const KEY: &str = "motionscope";
 
 /// What is folded away by default in a working layout too narrow for the parameters.
 const NARROW: Folded = Folded { parameters: true, explanation: false, charts: false };
-/// What is folded away by default in a lecture: what has no room beside sentence and formula.
+/// Panes folded away by default in a lecture, where sentence and formula need the room.
 const LECTURE: Folded = Folded { parameters: true, explanation: true, charts: false };
 
 /// Clips of which is remembered where they were left.
@@ -205,7 +205,7 @@ impl Settings {
         self.zoom
     }
 
-    /// The part of the interface scale that a window with a zoom of `factor` in all has room for.
+    /// Returns the interface scale that is seen where the window is zoomed by `factor`.
     pub fn seen_zoom(&self, factor: f32) -> f32 {
         self.zoom.min(factor / self.mode.map_or(1.0, layout::Mode::zoom))
     }

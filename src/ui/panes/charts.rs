@@ -96,7 +96,7 @@ impl Chosen {
     }
 }
 
-/// What stands in the line of a chart.
+/// The contents of the line of tabs.
 #[derive(Clone, Copy)]
 struct Tabs<'a> {
     /// Which of the places of charts it belongs to.

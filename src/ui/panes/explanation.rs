@@ -48,7 +48,7 @@ impl<'a> Input<'a> {
 const ROOMY: f32 = 30.0;
 /// Above and below the parts in their pane, in points.
 const PANE_MARGIN: f32 = 16.0;
-/// What a scrolled area clips at its right edge.
+/// Room at the edges of a scrolled area, which clips letters that lean out of their line.
 const CLIPPED_PT: f32 = 2.0;
 /// Above and below a line of code.
 const CODE_MARGIN: f32 = 3.0;
@@ -218,17 +218,13 @@ impl State {
     }
 }
 
-/// How much wider than high a pane is in which the explanation has two columns, and the least width of that in letters.
-const WIDE: f32 = 2.2;
-const WIDE_LETTERS: f32 = 40.0;
 /// Between the two columns, in points.
 const COLUMN_GAP: f32 = 24.0;
 
 /// Shows the explanation in the whole of `ui`: sentence and formula above the numbers and the code, or beside them where the pane
-/// is low.
-pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
+/// `is_wide`.
+pub fn show(ui: &mut Ui, (input, is_wide): (Input<'_>, bool), state: &mut State) {
     let room = ui.available_rect_before_wrap();
-    let is_wide = room.width() > WIDE * room.height() && room.width() > WIDE_LETTERS * input.theme.sizes().body;
     if !is_wide {
         return column(ui, input, state, [true, true]);
     }
@@ -415,7 +411,7 @@ pub fn strip(ui: &mut Ui, (input, room): (Input<'_>, StripRoom), state: &mut Str
             ui.painter().vline(x, top.y..=top.y + bottom, ui.visuals().widgets.noninteractive.bg_stroke);
         }
         for (i, (at, part)) in parts.iter().enumerate() {
-            let place = Rect::from_min_size(top + *at, vec2(width, needed));
+            let place = Rect::from_min_size(top + *at + vec2(CLIPPED_PT, 0.0), vec2(width, needed));
             let mut inside = ui.new_child(egui::UiBuilder::new().id_salt(i).max_rect(place));
             part.show(&mut inside, "strip", beside);
         }

@@ -32,7 +32,7 @@ pub struct Folded {
     pub charts: bool,
 }
 
-/// How much is told beside the pictures.
+/// How much of the explanation stands beside the pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
     /// All of the explanation.
@@ -86,7 +86,7 @@ impl Default for Shares {
 /// Least and largest share.
 pub const SHARES: std::ops::RangeInclusive<f32> = 0.5..=1.6;
 
-/// The pictures on the stage, as far as their places follow from them.
+/// Number, size and surroundings of the pictures on the stage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pictures {
     /// How many there are.
@@ -115,7 +115,7 @@ pub struct LessonPage {
 pub struct Asking {
     /// Height of all of it in the width that it had, in points.
     pub height: f32,
-    /// Whether it waits for its answer: then nothing else is told.
+    /// Whether it waits for its answer, which the explanation would give away.
     pub is_open: bool,
 }
 
@@ -128,11 +128,11 @@ pub struct Room {
     pub window: Vec2,
     /// Size of the type in points.
     pub type_pt: f32,
-    /// How much is told.
+    /// How much of the explanation is shown.
     pub mode: Mode,
     /// What is folded away.
     pub folded: Folded,
-    /// What stands on the stage.
+    /// The pictures on the stage.
     pub pictures: Pictures,
     /// How many charts the step has.
     pub charts: usize,
@@ -176,11 +176,13 @@ pub struct Arrangement {
     pub page: Option<Rect>,
     /// The question.
     pub question: Option<Rect>,
-    /// What is told of the step.
+    /// The explanation.
     pub told: Option<Rect>,
+    /// Whether it is so low and wide that it has two columns.
+    pub is_told_wide: bool,
     /// Whether formula and chart share one place, so that one of them is not seen.
     pub alternates: bool,
-    /// Whether nothing but the pictures and what is told is seen: keys choose the chart then.
+    /// Whether the window has no tabs, so that keys choose the chart.
     pub is_presented: bool,
     /// The room of sentence and formula, where they alone are told.
     pub strip: Option<StripRoom>,
@@ -256,12 +258,14 @@ const CHART_LETTERS: [f32; 2] = [12.0, 15.0];
 /// Least height of the page of a lesson in a column, in letters, and the most of the column: before it was read, and after.
 const PAGE_LETTERS: f32 = 7.0;
 const PAGE_SHARES: [f32; 2] = [0.5, 0.36];
-/// How much larger pictures must be where one of two is shrunk for the other's sake.
+/// Two pictures stay alike if each has at least this share of the area that one alone would have.
 const ALIKE: f32 = 0.55;
 /// Most of the body that words have by default, beside the pictures or below them.
 const MOST_WORDS: f32 = 0.6;
 /// How much wider than high a column is at most.
 const COLUMN: f32 = 1.2;
+/// Width of a low explanation from which it has two columns, in letters.
+const WIDE_LETTERS: f32 = 40.0;
 /// Height of the line with the titles of charts, in letters.
 const TABS_LETTERS: f32 = 1.9;
 /// Least height of a picture beside a large one, in letters.
@@ -282,7 +286,7 @@ const GRIP: f32 = 3.0;
 const WORKING_LETTERS: Vec2 = vec2(84.0, 42.0);
 
 impl Mode {
-    /// How much is told in a window of `size` in points with type of `type_pt`.
+    /// The mode of a window of `size` in points with type of `type_pt`.
     pub fn of(size: Vec2, type_pt: f32, is_lecture: bool) -> Self {
         let letters = size / type_pt.max(1.0);
         let is_small = letters.x < WORKING_LETTERS.x || letters.y < WORKING_LETTERS.y;
@@ -308,8 +312,7 @@ impl Mode {
         if self == Self::Presenting { 0.16 } else { 0.2 }
     }
 
-    /// How much larger the interface is: in a window of 1280×720 on a projector the letter x of a sentence is 16 px high then, and that
-    /// of a label 12 px.
+    /// How much larger the interface is, so that a sentence can be read in the last row.
     pub fn zoom(self) -> f32 {
         if self == Self::Presenting { 1.23 } else { 1.0 }
     }
@@ -326,23 +329,25 @@ impl Mode {
 }
 
 /// Where the words stand.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Side {
+    #[default]
     Beside,
     Below,
 }
 
 /// How several pictures share the stage.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Way {
     /// In so many columns.
     Grid(usize),
     /// One alone; the others stand in the region of the words.
+    #[default]
     Large,
 }
 
 /// A way to share the body out.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Candidate {
     side: Side,
     way: Way,
@@ -374,7 +379,7 @@ impl Pictures {
         }
     }
 
-    /// What is no picture in a stage.
+    /// Width and height of the margins, headers and gaps of a stage.
     fn around(&self, way: Way) -> Vec2 {
         let [columns, rows] = self.grid(way);
         let gaps = self.gap() * vec2(columns - 1.0, rows - 1.0);
@@ -597,10 +602,7 @@ impl Room {
             (Some(alike), Some(large)) if large.has_share && (!alike.has_share || alike.one < ALIKE * large.one) => {
                 *large
             }
-            (Some(alike), _) => *alike,
-            (None, large) => {
-                large.copied().unwrap_or_else(|| self.candidate(body, (Side::Beside, tight), Way::Grid(1)))
-            }
+            (alike, large) => alike.or(large).copied().unwrap_or_default(),
         }
     }
 
@@ -762,6 +764,7 @@ impl Room {
     /// Gives the explanation its place, in which sentence and formula have at most `most` points of height.
     fn tell_in(&self, told: Rect, (side, most): (Side, f32), all: &mut Arrangement) {
         all.told = Some(told);
+        all.is_told_wide = side == Side::Below && told.width() > WIDE_LETTERS * self.type_pt;
         let is_sentence_alone = all.alternates && self.prefers_chart;
         let has_tabs = all.alternates && !self.prefers_chart && !all.is_presented;
         let most = if has_tabs { most - TABS_LETTERS * self.type_pt } else { most };

@@ -81,7 +81,7 @@ impl State {
 /// A page as it is shown.
 struct LaidOut {
     prose: Prose,
-    key: Option<Key>,
+    key: Key,
     words: Part,
     /// Top and bottom of each row of words or formulas.
     rows: Vec<[f32; 2]>,
@@ -90,7 +90,7 @@ struct LaidOut {
 }
 
 /// What the layout of a page follows from beside its words.
-#[derive(Clone, PartialEq)]
+#[derive(Clone, Default, PartialEq)]
 struct Key {
     width: u32,
     theme: Theme,
@@ -243,14 +243,14 @@ fn words(
         pixels_per_point: ui.pixels_per_point(),
         atlas: ink::atlas(ui.ctx()),
     };
-    if state.laid_out.as_ref().is_none_or(|before| before.key.as_ref() != Some(&key) || before.prose != *prose) {
+    if state.laid_out.as_ref().is_none_or(|before| before.key != key || before.prose != *prose) {
         let page = prose::lay_out(prose, width, theme.sizes().body, theme);
         let session = open.page().session.as_ref().ok();
         let family = session.map_or("", |session| session.experiment.estimator.info().family);
         let rows = rows(&page.block);
         let links = page.links.into_iter().map(|(rect, to)| (rect_from(rect), to)).collect();
         let words = Part::new(ui.painter(), page.block, family);
-        state.laid_out = Some(LaidOut { prose: prose.clone(), key: Some(key), words, rows, links });
+        state.laid_out = Some(LaidOut { prose: prose.clone(), key, words, rows, links });
     }
     let Some(LaidOut { words, links, .. }) = &state.laid_out else { return };
     let by = ui.cursor().min.to_vec2();
@@ -297,7 +297,8 @@ mod tests {
     #[test]
     fn words_are_read_on_from_the_first_row_that_was_not_whole_and_back() {
         let rows: Vec<[f32; 2]> = (0..10).map(|i| [20.0 * i as f32, 20.0 * i as f32 + 18.0]).collect();
-        let laid_out = LaidOut { rows, prose: Prose::default(), key: None, words: Part::default(), links: Vec::new() };
+        let laid_out =
+            LaidOut { rows, prose: Prose::default(), key: Key::default(), words: Part::default(), links: Vec::new() };
         let mut state = State { laid_out: Some(laid_out), seen: [70.0, 198.0], ..State::default() };
         let mut offsets = Vec::new();
         while state.read(Direction::Forward) {
@@ -316,7 +317,8 @@ mod tests {
     #[test]
     fn a_row_that_is_higher_than_the_pane_is_read_on_within_it() {
         let rows = vec![[0.0, 100.0], [100.0, 400.0]];
-        let laid_out = LaidOut { rows, prose: Prose::default(), key: None, words: Part::default(), links: Vec::new() };
+        let laid_out =
+            LaidOut { rows, prose: Prose::default(), key: Key::default(), words: Part::default(), links: Vec::new() };
         let mut state = State { laid_out: Some(laid_out), seen: [80.0, 400.0], ..State::default() };
         for way in [Direction::Forward, Direction::Back] {
             let mut count = 0;

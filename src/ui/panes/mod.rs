@@ -227,7 +227,7 @@ impl Panes<'_> {
         }
     }
 
-    /// What is told of the step: all of it, or the sentence and the formula.
+    /// The explanation of the step: all of it, or the sentence and the formula.
     fn told(&mut self, ui: &mut Ui, rect: Rect, all: &Arrangement) {
         let room = all.strip;
         let margin = Margin { left: 12, right: 8, top: if room.is_some() { 6 } else { 8 }, bottom: 2 };
@@ -243,7 +243,7 @@ impl Panes<'_> {
             let mut inside = ui.new_child(UiBuilder::new().id_salt("above").max_rect(above));
             match room {
                 Some(room) => panes.strip(&mut inside, room),
-                None => panes.explanation(&mut inside),
+                None => panes.explanation(&mut inside, all.is_told_wide),
             }
             if all.has_tabs() {
                 panes.tabs_of_formula(&mut ui.new_child(UiBuilder::new().id_salt("tabs").max_rect(row)));
@@ -432,7 +432,7 @@ impl Panes<'_> {
         }
     }
 
-    /// What is going on and what went wrong, above the pictures.
+    /// Shows progress and errors above the pictures.
     pub fn banners(&mut self, ui: &mut Ui) {
         if let Some(loading) = self.loading {
             self.opening(ui, loading);
@@ -531,12 +531,12 @@ impl Panes<'_> {
         });
     }
 
-    fn explanation(&mut self, ui: &mut Ui) {
+    fn explanation(&mut self, ui: &mut Ui, is_wide: bool) {
         match &self.view.shown {
             Some(shown) => {
                 let beside = Beside::new(&shown.scene, self.explained(shown).0.family, self.look.theme);
                 let input = self.explanation_input(shown, &beside);
-                explanation::show(ui, input, &mut self.states.explanation);
+                explanation::show(ui, (input, is_wide), &mut self.states.explanation);
                 self.states.stage.point_out(beside.pointed());
             }
             None => empty(ui, &self.before("No step is explained")),

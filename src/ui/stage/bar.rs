@@ -15,7 +15,7 @@ use crate::view::look::Look;
 /// Width of the line, in letters, from which it tells the zoom or what estimators in lockstep have in common.
 const ROOMY_LETTERS: f32 = 42.0;
 
-/// What to look at and how, at the right end of `line`; gives where that is.
+/// Shows the choice of view and layers at the right end of `line`; returns its rectangle.
 pub fn tools(ui: &mut Ui, line: Rect, input: &Input<'_>, state: &mut State, response: &mut Response) -> Rect {
     let ui = &mut widgets::inside(ui, line, Layout::right_to_left(Align::Center));
     ui.spacing_mut().item_spacing.x = 4.0;
@@ -41,7 +41,7 @@ pub fn tools(ui: &mut Ui, line: Rect, input: &Input<'_>, state: &mut State, resp
     ui.min_rect()
 }
 
-/// What is wanted less often.
+/// The menu of less common tools.
 fn more(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Response) {
     let button = widgets::icon_button(ui, Icon::Ellipsis, "More of the stage", false);
     egui::Popup::menu(&button).show(|ui| {

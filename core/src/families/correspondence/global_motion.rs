@@ -284,7 +284,7 @@ impl GlobalMotion {
     }
 }
 
-/// What the mean differences of the frames, registered and as they are, say about the model.
+/// Judges the model by the mean difference of the registered frames beside that of the frames as they are.
 fn registration(registered: f64, at_rest: f64) -> &'static str {
     if registered > HARMFUL * at_rest {
         "Registration makes the difference larger, so the model does not hold for the picture as a whole."

@@ -291,7 +291,7 @@ fn error_of_last<T: Explained>(seen: &Seen<RegionTracking<T>>) -> Option<RegionE
     after.field().error_of(seen.clip, after.past.len().checked_sub(1)?).ok().flatten()
 }
 
-/// What the truth says of a frame that has just ended without a visible object.
+/// Why a frame that has just ended is not scored: by the ground truth its object cannot be seen.
 fn unseen_here<T: Explained>(seen: &Seen<RegionTracking<T>>) -> Option<&'static str> {
     let after = seen.after?;
     match after.field().sight(seen.clip, after.past.len().checked_sub(1)?).ok()?? {
@@ -312,7 +312,7 @@ struct Vanished {
 }
 
 impl Vanished {
-    /// That of a run; none where the object is visible in the last frame or not known.
+    /// Finds it in a run; `None` where the object is visible in the last frame, or its visibility is unknown.
     fn of(field: &RegionField, clip: &Clip) -> Option<Self> {
         let last: Vec<(usize, Sight)> = (1..field.frames.len())
             .rev()

@@ -116,7 +116,7 @@ pub trait RegionModel: Params + Default + Clone + Send + Sync + 'static {
 
 /// The explanation of a tracker of a region.
 pub trait Explained: RegionModel {
-    /// Whether the lesson of a run judges the start of a loss by the visibility of the object.
+    /// Whether the advice at the end of a run judges the start of a loss by the visibility of the object.
     const JUDGES_LOSS: bool = false;
 
     /// What happened, and why.

@@ -340,8 +340,8 @@ impl Conclusion {
     }
 
     /// What to change, by the errors of the mask where its truth is known, otherwise by those of the boxes: a box that overlaps a true one
-    /// by too little is a miss and a false alarm, whatever the threshold is. `of_camera` is the advice for a moving camera.
-    fn advice(&self, boxes: Matches, of_camera: &str) -> String {
+    /// by too little is a miss and a false alarm, whatever the threshold is. `instead` names what to use where the camera moves.
+    fn advice(&self, boxes: Matches, instead: &str) -> String {
         if self.ghosts > 0 {
             return format!(
                 " {} where an object of the first frame has left: initialise with the median, or let the model learn faster.",
@@ -380,7 +380,7 @@ impl Conclusion {
                 // Neither a threshold nor an opening registers the frames.
                 Some(by) => format!(
                     " Most errors are false alarms ({}), and the camera moves: the background is displaced by {} px since the first frame. \
-                     A shift follows it only roughly, so edges of the background remain as foreground. {of_camera}",
+                     A shift follows it only roughly, so edges of the background remain as foreground. {instead}",
                     number(alarms),
                     words::place(by)
                 ),

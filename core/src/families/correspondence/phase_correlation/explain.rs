@@ -60,7 +60,9 @@ fn explained(state: &State, error: Option<&FlowError>) -> String {
             format!("so one translation explains the motion of most of the picture; {evidence}.")
         }
         Some(_) => "so one translation explains the motion.".to_owned(),
-        None => "but the frames overlap too little to tell how much of the picture it explains.".to_owned(),
+        None => {
+            "but the frames have too small a part in common to tell how much of the picture it explains.".to_owned()
+        }
     }
 }
 

@@ -356,7 +356,7 @@ impl SemiGlobalMatching {
         let Some(shown) = self.shown(seen) else { return };
         let (x, y) = shown.pixel;
         let slice = self.slice(&shown);
-        scene.pictures.push(Canvas::made(SLICE, move || Frame::gray(Grid::clone(&slice))));
+        scene.pictures.push(Canvas::made(SLICE, move || Frame::gray(Grid::clone(&slice))).along(y));
         let index = y * seen.before.fixed.views.size().0 + x;
         let kept = state.kept.get(index);
         let best = match &state.sums[..] {
