@@ -10,6 +10,8 @@ mod files;
 mod find;
 #[path = "window/keys.rs"]
 mod keys;
+#[path = "window/landscape.rs"]
+mod landscape;
 #[path = "window/language.rs"]
 mod language;
 #[path = "window/layout.rs"]

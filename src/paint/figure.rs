@@ -6,10 +6,11 @@ use std::sync::Arc;
 
 use framing::{cut, has_part, is_link_seen, is_seen, magnified, pane_size, pane_sizes};
 use motionscope_core::scene::{Mark, Math, Picture, Sentence, Shape};
-use motionscope_core::{Grid, Scene};
+use motionscope_core::{Grid, Scene, Step};
 
 use super::charts::explanation::{Density, equation};
-use super::charts::{Type, shortened};
+use super::charts::relief::{Landscape, Lean, standing};
+use super::charts::{Orbit, Type, shortened};
 use super::focus::{self, FocusMode, Work};
 use super::freehand::{FreehandLine, freehand};
 use super::legend::{self, Bar, line_height};
@@ -56,6 +57,8 @@ pub struct FigureOptions {
     pub backdrop: Backdrop,
     /// Number of frame t, for the titles.
     pub frame: Option<usize>,
+    /// From where one looks at pictures that are leaned back, where they are.
+    pub leaned: Option<Orbit>,
     /// Whether what the marks mean stands below.
     pub legend: bool,
     /// Whether titles stand above the pictures, even where nothing else stands around them.
@@ -124,6 +127,8 @@ pub struct Part<'a> {
     pub pictures: Pictures,
     /// The marks.
     pub scene: &'a Scene,
+    /// What is told of the step, where something of it may rise from a picture.
+    pub step: Option<&'a Step>,
     /// Where there are several: the estimator's name, whether it waits for the others, and what it has come to, the
     /// first that there is room for being told.
     pub heading: Option<(&'a [String; 2], bool, &'a [Sentence])>,
@@ -167,7 +172,7 @@ pub struct Figure {
 impl Figure {
     /// Lays out `scene` over `pictures`.
     pub fn new(pictures: &Pictures, scene: &Scene, options: &FigureOptions) -> Self {
-        Self::of(&[Part { pictures: pictures.clone(), scene, heading: None }], scene, options)
+        Self::of(&[Part { pictures: pictures.clone(), scene, step: None, heading: None }], scene, options)
     }
 
     /// Lays out `parts`, two or three in a row and four in a square; `scene` has the marks of all.
@@ -371,6 +376,11 @@ impl Layout<'_> {
 
     fn panel(&mut self, at: (Panel, Placement), rect: Rect, pixels: &Arc<Grid<[u8; 4]>>, part: &Part<'_>) {
         let (panel, placement) = at;
+        if let Some(layer) = self.landscape(at, rect, pixels, part) {
+            self.pictures.push(layer);
+            self.panels.push(at);
+            return;
+        }
         let Pictures { layer, streaks, .. } = &part.pictures;
         // What is smaller than on the sheet's own pixels is reduced, so that none of it is skipped.
         let factor = (1.0 / (placement.zoom * self.look.density)).floor().max(1.0) as usize;
@@ -403,6 +413,32 @@ impl Layout<'_> {
             self.pictures.push(Layer { clip: Some(clip), primitives: chunk.to_vec() });
         }
         self.panels.push(at);
+    }
+
+    /// A panel that is leaned back, with what rises from it.
+    fn landscape(
+        &self,
+        (panel, flat): (Panel, Placement),
+        rect: Rect,
+        pixels: &Grid<[u8; 4]>,
+        part: &Part<'_>,
+    ) -> Option<Layer> {
+        let orbit = self.options.leaned?;
+        let (surface, footing) = standing(part.step?).filter(|(_, footing)| panel.shows(footing.on))?;
+        let surface = surface.landscape();
+        let landscape = Landscape::new((&surface, footing), (flat, rect), Lean { amount: 1.0, orbit });
+        let (theme, density) = (self.look.theme, self.look.density);
+        let ([left, top], [right, bottom]) = (rect.min, rect.max);
+        let points = vec![[left, top], [right, top], [right, bottom], [left, bottom]];
+        let mut primitives = vec![Primitive::Polygon { points, color: theme.chrome().background }];
+        primitives.push(Primitive::Image { pixels: Arc::new(landscape.pictured(pixels, density)), rect });
+        let marks = shown(panel, part.scene).filter(|mark| !mark.shape.is_layer());
+        primitives.extend(landscape.laid(marks::resolve(marks, &self.look, flat)));
+        let [behind, before] = landscape.stand(theme);
+        primitives.extend(behind);
+        primitives.extend(landscape.polygons((theme, self.look.colors, density)));
+        primitives.extend(before);
+        Some(Layer { clip: Some(rect), primitives })
     }
 
     /// What was drawn by hand on a panel of estimator `member`; it ends with the picture.

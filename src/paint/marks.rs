@@ -120,6 +120,11 @@ impl Placement {
         [self.origin[0] + (x + 0.5) * self.zoom, self.origin[1] + (y + 0.5) * self.zoom]
     }
 
+    /// The place in image pixels that lies there.
+    pub fn pixel(&self, [x, y]: Point) -> [f32; 2] {
+        [(x - self.origin[0]) / self.zoom - 0.5, (y - self.origin[1]) / self.zoom - 0.5]
+    }
+
     fn rect(&self, min: [f32; 2], max: [f32; 2]) -> Rect {
         let (a, b) = (self.at(min), self.at(max));
         Rect { min: [a[0].min(b[0]), a[1].min(b[1])], max: [a[0].max(b[0]), a[1].max(b[1])] }

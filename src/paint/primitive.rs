@@ -231,7 +231,12 @@ pub struct Arrows {
 impl Arrows {
     /// One arrow in points.
     pub fn one(from: Point, to: Point, pen: Pen) -> Self {
-        Self { ends: Arc::new([scene::Arrow { from, to }]), origin: [0.0; 2], zoom: 1.0, lengthen: 1.0, pen }
+        Self::of(Arc::new([scene::Arrow { from, to }]), pen)
+    }
+
+    /// Arrows in points.
+    pub fn of(ends: Arc<[scene::Arrow]>, pen: Pen) -> Self {
+        Self { ends, origin: [0.0; 2], zoom: 1.0, lengthen: 1.0, pen }
     }
 
     /// The arrows in points, back to front.

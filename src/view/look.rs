@@ -45,6 +45,8 @@ params! {
         arrow_scale: Lengthen = Lengthen::Auto;
         /// Streaklines instead of arrows, at this phase of the particles' life.
         streaks: Option<Phase> = None;
+        /// The picture leaned back where the costs of a step rise from it as a landscape.
+        landscape: bool = false;
         /// Legend of the marks below the pictures.
         legend: bool = false;
         /// Clip, estimator, parameters and the sentence of the step, around the pictures; full adds the formula.

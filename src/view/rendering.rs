@@ -120,6 +120,7 @@ impl Rendering<'_> {
             section: panes.angles.section,
             backdrop: look.backdrop,
             at_end: moment.at_end,
+            leaned: look.landscape.then_some(panes.angles.surface),
             frame: Some(moment.frame),
             legend: look.legend,
             heat: heat.or(scene.heat.map(str::to_owned)).unwrap_or_default(),
@@ -135,11 +136,12 @@ impl Rendering<'_> {
         let Moment { scene, pictures, tiles, .. } = moment;
         if tiles.is_empty() {
             let pictures = pictures.on_level(scene.levels.as_ref(), look.level, view);
-            return vec![Part { pictures, scene, heading: None }];
+            return vec![Part { pictures, scene, step: Some(&moment.step), heading: None }];
         }
         let parts = tiles.iter().map(|tile| Part {
             pictures: tile.pictures(pictures, look.level, view),
             scene: &tile.scene,
+            step: Some(&tile.step),
             heading: Some((&tile.names, tile.is_done, &tile.words)),
         });
         parts.collect()

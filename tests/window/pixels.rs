@@ -26,15 +26,20 @@ fn on_stage(window: &Window, share: [f32; 2]) -> Pos2 {
 
 /// The place of the stage's picture whose title begins so, at these shares of its size.
 pub fn on_picture(window: &Window, title: &str, [x, y]: [f32; 2]) -> Pos2 {
-    let begins = |label: String| label.starts_with(&format!("Stage: {title}"));
-    let mut pictures = window.harness.get_all_by_role(Role::Image);
-    let stage = pictures.find(|node| node.accesskit_node().label().is_some_and(begins));
-    let rect = stage.unwrap_or_else(|| panic!("{title} is not shown")).rect();
+    let rect = pane_of(window, title);
     // Beside the picture there may be more room, and above it is its title.
     let (width, height) = window.shown().pictures.pair[0].size();
     let size = vec2(width as f32, height as f32);
     let size = size * (rect.size() / size).min_elem();
     rect.center() + size * (vec2(x, y) - Vec2::splat(0.5))
+}
+
+/// Where the stage's picture lies whose title begins so.
+pub fn pane_of(window: &Window, title: &str) -> Rect {
+    let begins = |label: String| label.starts_with(&format!("Stage: {title}"));
+    let mut pictures = window.harness.get_all_by_role(Role::Image);
+    let stage = pictures.find(|node| node.accesskit_node().label().is_some_and(begins));
+    stage.unwrap_or_else(|| panic!("{title} is not shown")).rect()
 }
 
 #[test]

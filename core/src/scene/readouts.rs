@@ -1,6 +1,6 @@
 //! The contents beside the stage: equations, tables and charts, as data.
 
-use super::{Cloud, Diagram, Math, Role, Stack};
+use super::{Cloud, Diagram, Math, Picture, Role, Stack};
 use crate::data::Histogram;
 use crate::geometry::Grid;
 
@@ -309,6 +309,34 @@ pub struct Surface {
     pub between: Vec<BetweenPixels>,
     /// The true displacement in px, once the search is over, where it is known.
     pub truth: Option<[f32; 2]>,
+    /// Where it stands on a picture, if it belongs to a place of one.
+    pub footing: Option<Footing>,
+}
+
+/// Where a surface stands on a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Footing {
+    /// The picture.
+    pub on: Picture,
+    /// The point of the picture at displacement (0, 0), in px of the picture.
+    pub at: [f32; 2],
+    /// How many px of the picture one px of displacement is: 2^level on a level of a pyramid.
+    pub px: f32,
+    /// The values at all displacements, tested or not, where more is known than the run has worked out.
+    pub whole: Option<Grid<f32>>,
+}
+
+impl Footing {
+    /// A surface that stands at the point `at` of a picture, in its px, with all its values.
+    pub fn new(on: Picture, at: [f32; 2]) -> Self {
+        Self { on, at, px: 1.0, whole: None }
+    }
+
+    /// On a level of a pyramid that was enlarged by `factor` to the size of the picture.
+    #[must_use]
+    pub fn enlarged(self, factor: f32) -> Self {
+        Self { at: self.at.map(|c| (c + 0.5) * factor - 0.5), px: self.px * factor, ..self }
+    }
 }
 
 /// A displacement between whole pixels.
@@ -343,7 +371,20 @@ impl Surface {
             untested: None,
             between: Vec::new(),
             truth: None,
+            footing: None,
         }
+    }
+
+    /// The surface with all values that are known, whether or not the search has worked them out yet.
+    #[must_use]
+    pub fn landscape(&self) -> Self {
+        let whole = self.footing.as_ref().and_then(|footing| footing.whole.as_ref());
+        let untested = whole.map(|whole| {
+            let (width, height) = whole.size();
+            let left_out = |x, y| if self.values[(x, y)].is_finite() { f32::NAN } else { whole[(x, y)] };
+            Grid::from_fn(width, height, left_out)
+        });
+        Self { untested: untested.or_else(|| self.untested.clone()), ..self.clone() }
     }
 
     /// The cost of a cell, tested or not; `None` where it is not known.
@@ -454,12 +495,15 @@ impl Surface {
         let origin = [self.origin[0] + left as i32, self.origin[1] + top as i32];
         let last = [origin[0] + size.0 as i32 - 1, origin[1] + size.1 as i32 - 1];
         let is_inside = |uv: &[f32; 2]| (0..2).all(|i| (origin[i] as f32..=last[i] as f32).contains(&uv[i].round()));
+        let part = |of: &Grid<f32>| Grid::from_fn(size.0, size.1, |x, y| of[(left + x, top + y)]);
+        let footing = |footing: &Footing| Footing { whole: footing.whole.as_ref().map(part), ..footing.clone() };
         Self {
             origin,
             truth: self.truth.filter(is_inside),
-            values: Grid::from_fn(size.0, size.1, |x, y| self.values[(left + x, top + y)]),
+            values: part(&self.values),
             events: Grid::from_fn(size.0, size.1, |x, y| self.events[(left + x, top + y)]),
-            untested: self.untested.as_ref().map(|all| Grid::from_fn(size.0, size.1, |x, y| all[(left + x, top + y)])),
+            untested: self.untested.as_ref().map(part),
+            footing: self.footing.as_ref().map(footing),
             ..self.clone()
         }
     }

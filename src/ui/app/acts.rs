@@ -198,6 +198,7 @@ impl App {
             }
             C::EnlargeChart | C::NextChart | C::PreviousChart => self.arrange(command),
             C::NextPicture => self.states.stage.next_picture(),
+            C::Landscape => self.settings.look.landscape = !self.settings.look.landscape,
             C::FullScreen => {
                 let now = self.ctx.input(|i| i.viewport().fullscreen.unwrap_or(false));
                 self.ctx.send_viewport_cmd(ViewportCommand::Fullscreen(!now));

@@ -151,6 +151,8 @@ commands! {
     NextChart,
     /// Make the next picture the large one.
     NextPicture,
+    /// Lean the picture back, so that the landscape of the method rises from it.
+    Landscape,
     /// The chart before.
     PreviousChart,
     /// Panes where they were at first.
@@ -404,7 +406,7 @@ impl Command {
             C::FittingArrows | C::TrueArrows | C::DoubleArrows | C::FourfoldArrows => Some(Submenu::ArrowLength),
             C::LargerInterface | C::SmallerInterface | C::NormalInterface => Some(Submenu::InterfaceSize),
             C::ShowParameters | C::ShowExplanation | C::ShowCharts | C::ResetLayout => Some(Submenu::Panes),
-            C::EnlargeChart | C::NextChart | C::PreviousChart | C::NextPicture => Some(Submenu::Panes),
+            C::EnlargeChart | C::NextChart | C::PreviousChart | C::NextPicture | C::Landscape => Some(Submenu::Panes),
             C::Present | C::PresenterWindow | C::Pointer | C::Loupe | C::Blank => Some(Submenu::Present),
             C::Pen | C::NextPenColor | C::ClearInk => Some(Submenu::Present),
             _ => None,
@@ -516,6 +518,7 @@ impl Command {
             C::FittingArrows | C::TrueArrows | C::DoubleArrows | C::FourfoldArrows => true,
             C::EnlargeChart | C::NextChart | C::PreviousChart => now.has_charts,
             C::NextPicture => now.has_large_picture,
+            C::Landscape => now.has_landscape,
             C::LargerInterface => now.can_be_larger,
             C::ShowParameters | C::ShowExplanation | C::ShowCharts => true,
             C::Predict => !now.in_lockstep && !now.at_start_page,
@@ -594,6 +597,8 @@ pub struct Situation {
     pub has_charts: bool,
     /// Whether one of several pictures is larger than the others.
     pub has_large_picture: bool,
+    /// Whether something rises from a picture, or can.
+    pub has_landscape: bool,
     /// A chart stands in the place of the stage.
     pub has_enlarged: bool,
     /// The interface can be larger in a window of this size.

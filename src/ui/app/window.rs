@@ -11,6 +11,7 @@ use motionscope_core::{Cursor, Direction, Error, Move, Role, Step};
 
 use crate::experiment::side_by_side::SideBySide;
 use crate::experiment::source::Source;
+use crate::paint::charts::relief::standing;
 use crate::ui::app::action::{Action, Actions, Browse};
 use crate::ui::app::camera::Recorder;
 use crate::ui::app::commands::{Granularities, Situation};
@@ -334,6 +335,7 @@ impl App {
             playing: self.player.is_playing(),
             lecture: self.settings.lecture,
             has_charts: !self.folded().charts && !self.charts().is_empty(),
+            has_landscape: self.settings.look.landscape || shown.is_some_and(|shown| standing(&shown.step).is_some()),
             has_large_picture: self.arranged.stage.is_some() && self.arranged.panes.has_large(),
             has_enlarged: self.settings.charts.is_enlarged
                 && self.regions.iter().all(|(region, _)| *region != Region::Stage),

@@ -15,6 +15,7 @@ use lucide_icons::Icon;
 use motionscope_core::{Cursor, Error, Info, capital, estimator};
 
 use crate::media::camera::{Camera, Cameras, Closing, Device, Kept, Shot, Size, keep};
+use crate::paint::charts::Orbit;
 use crate::ui::app::action::{Action, Actions};
 use crate::ui::model::background::Background;
 use crate::ui::model::document::Document;
@@ -497,10 +498,12 @@ fn picture(ui: &mut Ui, state: &mut State, (document, look): (&Document, &Look))
         pictures: &seen.pictures,
         frame: seen.frame,
         scene: &seen.scene,
+        step: None,
         lockstep: None,
         cursor: Cursor { unit: seen.frame, event: 1 },
         stands: seen.stands,
         look,
+        orbit: Orbit::default(),
         heat: seen.scene.heat.unwrap_or_default(),
         available: &seen.available,
         checking: false,

@@ -49,7 +49,7 @@ const ROOMY: f32 = 30.0;
 /// Above and below the parts in their pane, in points.
 const PANE_MARGIN: f32 = 16.0;
 /// Room at the edges of a scrolled area, which clips letters that lean out of their line.
-const CLIPPED_PT: f32 = 2.0;
+const CLIPPED_PT: f32 = 4.0;
 /// Above and below a line of code.
 const CODE_MARGIN: f32 = 3.0;
 

@@ -35,6 +35,8 @@ use super::model::snapshot::Snapshot;
 use super::model::walker::View;
 use super::parts::widgets;
 use crate::paint::FreehandLine;
+use crate::paint::charts::heat_map::event;
+use crate::paint::charts::relief::standing;
 use crate::ui::app::action::{Action, Actions, Side};
 use crate::ui::app::commands::Command;
 use crate::ui::charts::{
@@ -320,10 +322,12 @@ impl Panes<'_> {
             pictures: &shown.pictures,
             frame: shown.frame,
             scene: &shown.scene,
+            step: Some(&shown.step),
             cursor: shown.cursor,
             lockstep: self.lockstep(shown),
             stands: shown.stands(shown.subject.experiment.estimator.shows_frame_alone()),
             look: *self.look,
+            orbit: self.states.surface3d.orbit,
             heat: heat.or(shown.scene.heat).unwrap_or_default(),
             placing: placing.as_ref(),
             gpu: self.gpu,
@@ -355,6 +359,7 @@ impl Panes<'_> {
             self.actions.ask(Action::Pace(pace));
         }
         *self.look = response.look;
+        self.states.surface3d.orbit = response.orbit;
         self.place(placing.as_ref(), (&response, shown));
         if response.left {
             self.actions.command(Command::Lockstep);
@@ -364,6 +369,12 @@ impl Panes<'_> {
         }
         if let Some(wish) = response.pen {
             self.actions.ask(Action::Pen(wish));
+        }
+        if let Some(at) = response.sought {
+            let (_, step) = self.explained(shown);
+            let tested = standing(step).and_then(|(surface, _)| event(surface, at));
+            let cursor = |event| Cursor { event, ..shown.cursor };
+            self.actions.ask(tested.map_or(Action::SeekCandidate(at), |event| Action::Seek(cursor(event))));
         }
         if let Some(point) = response.clicked {
             let side = if ui.input(|i| i.modifiers.shift) { Side::Start } else { Side::End };

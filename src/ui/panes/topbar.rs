@@ -294,6 +294,7 @@ fn section(command: Command) -> u8 {
         | C::EnlargeChart
         | C::NextChart
         | C::NextPicture
+        | C::Landscape
         | C::PreviousChart
         | C::Lecture
         | C::FullScreen => 3,

@@ -9,7 +9,7 @@ use crate::paint::{CloseUp, FocusMode, Share, Work, focus_frames, primitive};
 use crate::ui::drawing::primitives;
 
 /// How long the view moves, in seconds.
-const SECS: f64 = 0.18;
+const SECS: f64 = 0.25;
 
 /// What is seen of a picture: the point in the middle, and points per pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -282,7 +282,7 @@ mod tests {
         let half = center(&follow.aim(followed([90.0, 60.0], 4.0), true, 1.0 + SECS / 2.0))[0];
         assert!(half > 60.0 && half < 90.0 && follow.is_moving(1.0 + SECS / 2.0), "{half}");
         assert_eq!(center(&follow.aim(followed([90.0, 60.0], 4.0), true, 1.0 + SECS)), [90.0, 60.0]);
-        assert!(!follow.is_moving(1.0 + SECS) && SECS <= 0.2);
+        assert!(!follow.is_moving(1.0 + SECS) && SECS <= 0.25);
     }
 
     #[test]

@@ -6,6 +6,7 @@
 mod bar;
 mod follow;
 mod glide;
+mod landscape;
 mod lens;
 mod levels;
 mod lockstep;
@@ -24,14 +25,16 @@ use eframe::egui::{self, Rect, Sense, Ui, Vec2, pos2, vec2};
 use eframe::egui_wgpu::RenderState;
 use motionscope_core::params::Placed;
 use motionscope_core::scene::{Focus, Picture};
-use motionscope_core::{Cursor, Pace, Role, Scene};
+use motionscope_core::{Cursor, Pace, Role, Scene, Step};
 
 pub use lens::{Lens, Zoom};
 pub use lockstep::Lockstep;
 pub use pen::{Hand, PenWish, Presenting};
 pub use placing::{Gesture, Placing};
 
+use crate::paint::charts::Orbit;
 use crate::paint::{self, Backdrop, Face, FreehandLine, Panel, Placement, Shown, Theme, View};
+use crate::ui::charts::surface3d::turn;
 use crate::ui::drawing::{ink, primitives};
 use crate::ui::panes::layout::{self, Panes};
 use crate::ui::parts::widgets;
@@ -40,6 +43,7 @@ use crate::view::motion::AvailableLayers;
 use crate::view::tile::Tile;
 use follow::Follow;
 use glide::Glide;
+use landscape::Landscapes;
 use marks::Marks;
 use pictures::Pictures;
 use pulse::Pulse;
@@ -62,6 +66,8 @@ pub struct Input<'a> {
     pub frame: usize,
     /// The marks; of several estimators those of all.
     pub scene: &'a Arc<Scene>,
+    /// What is told of the step, where an estimator is at work.
+    pub step: Option<&'a Arc<Step>>,
     /// Several estimators, if there are.
     pub lockstep: Option<Lockstep<'a>>,
     /// The step that is shown.
@@ -70,6 +76,8 @@ pub struct Input<'a> {
     pub stands: RunState,
     /// How they look.
     pub look: Look,
+    /// From where one looks at what rises from them.
+    pub orbit: Orbit,
     /// What the colours of heat stand for, for the legend: `SAD`.
     pub heat: &'a str,
     /// Which layers tell of motion.
@@ -92,9 +100,14 @@ pub struct Input<'a> {
     pub is_search: bool,
 }
 
-impl Input<'_> {
+impl<'a> Input<'a> {
     fn theme(&self) -> Theme {
         self.look.theme
+    }
+
+    /// What is told of the step of one of several estimators, or of the only one.
+    fn step_of(&self, member: usize) -> Option<&'a Arc<Step>> {
+        self.lockstep.and_then(|all| all.tiles.get(member)).map(|tile| &tile.step).or(self.step)
     }
 }
 
@@ -108,6 +121,8 @@ pub struct State {
     grip: Option<placing::Grip>,
     pictures: Pictures,
     marks: Marks,
+    /// What rises from the pictures.
+    landscapes: Landscapes,
     /// One for each estimator.
     glides: Vec<Glide>,
     pulses: Vec<Pulse>,
@@ -266,10 +281,14 @@ pub struct Response {
     pub explained: Option<usize>,
     /// What estimators in lockstep are to have in common.
     pub paced: Option<Pace>,
+    /// The displacement that was clicked in a landscape, in px.
+    pub sought: Option<[i32; 2]>,
     /// Whether the first of them is to go on alone.
     pub left: bool,
     /// How the pictures are to look.
     pub look: Look,
+    /// From where one looks at what rises from them.
+    pub orbit: Orbit,
     /// What was placed on the picture.
     pub placed: Option<Placed>,
     /// What became of placing it.
@@ -315,7 +334,7 @@ pub fn line_height(theme: Theme, tools_pt: Option<f32>) -> f32 {
 /// Shows the pictures in their places, and below them in the whole of `ui` what they mean and what can be done with them.
 pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     ui.spacing_mut().item_spacing = vec2(8.0, 4.0);
-    let mut response = Response { look: input.look, ..Response::default() };
+    let mut response = Response { look: input.look, orbit: input.orbit, ..Response::default() };
     let tools_pt = (!input.presenting.is_bare).then_some(ui.spacing().interact_size.y);
     let stage = ui.max_rect().shrink(layout::MARGIN);
     let mut line = stage.with_min_y(stage.max.y - line_height(input.theme(), tools_pt));
@@ -463,6 +482,7 @@ fn panes(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Respo
     for spot in &spots {
         state.glides[spot.member].follow(spot.scene, input.animate, time);
         state.pulses[spot.member].follow((input.cursor, spot.scene), input.animate, time);
+        state.landscapes.follow(ui, spot, input);
     }
     if state.pulses.iter().any(|pulse| pulse.is_lit(time)) {
         ui.ctx().request_repaint_after_secs(pulse::FRAME_SECS);
@@ -493,6 +513,15 @@ fn panes(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Respo
             let of = of.map_or_else(String::new, |tile| format!(", {}", tile.names[0]));
             egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Stage: {title}{of}"))
         });
+        if state.landscapes.leans(spot) {
+            match input.lockstep {
+                Some(all) if sensed.clicked() && all.explained != *member => response.explained = Some(*member),
+                _ => response.sought = state.landscapes.clicked(spot, &sensed, input.orbit).or(response.sought),
+            }
+            turn(ui, &sensed, &mut response.orbit, Orbit::default());
+            tips.push(sensed);
+            continue;
+        }
         let placing = input.placing.and_then(|placing| placing.on(panel.picture()));
         let is_gripped = match &placing {
             Some(placing) => placing::act(ui, &sensed, (lens, placing), state, response),
@@ -534,6 +563,9 @@ fn panes(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Respo
         paint(ui, spot, input, state);
     }
     for spots in spots.chunk_by(|a, b| a.member == b.member) {
+        if spots.iter().any(|spot| state.landscapes.leans(spot)) {
+            continue;
+        }
         join(ui, spots, input, state);
     }
     loupe::show(ui, &spots, state.area(), (input, state));
@@ -561,6 +593,13 @@ fn looked(ui: &Ui, sensed: &egui::Response, lens: &Lens) -> Option<Zoom> {
 
 /// Draws a picture with everything over it and around it.
 fn paint(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut State) {
+    if state.landscapes.leans(spot) {
+        landscape::paint(ui, spot, input, state);
+        let shown = Shown { panel: spot.panel, share: input.look.blend, gain: 1 };
+        return if input.lockstep.is_none() {
+            caption(ui.painter(), shown, &spot.lens, input)
+        };
+    }
     let shown = paint_picture(ui, spot, input, state);
     let Spot { panel, ref lens, ref pictures, .. } = *spot;
     let painter = ui.painter_at(lens.pane);

@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
+use eframe::egui::epaint::Vertex;
 use eframe::egui::{Color32, ColorImage, Mesh, Painter, Pos2, Rect, Shape, TextureHandle, TextureOptions, pos2};
 use eframe::egui::{TextureFilter, TextureWrapMode};
 use motionscope_core::{Frame, Grid};
 
 use super::Lens;
+use crate::paint::charts::relief::Corner;
 use crate::paint::{self, Panel, Share, Tint, reduced};
 
 /// Pictures kept, so that going back and forth uploads nothing.
@@ -53,6 +55,15 @@ impl Source {
         }
     }
 
+    fn of(panel: Panel, pictures: &paint::Pictures, is_dimmed: bool) -> Self {
+        let [frame, other] = panel.frames(pictures).map(Arc::clone);
+        match panel {
+            Panel::Difference | Panel::Residual => Self::Difference([frame, other]),
+            _ if is_dimmed => Self::Dimmed(frame),
+            _ => Self::Frame(frame),
+        }
+    }
+
     fn pixels(&self) -> (Arc<Grid<[u8; 4]>>, u16) {
         let (pixels, gain) = match self {
             Source::Layer(pixels) => return (pixels.clone(), 1),
@@ -79,17 +90,37 @@ impl Pictures {
         pictures: &paint::Pictures,
         is_dimmed: bool,
     ) -> u16 {
-        let [frame, other] = panel.frames(pictures).map(Arc::clone);
-        let first = match panel {
-            Panel::Difference | Panel::Residual => Source::Difference([frame, other.clone()]),
-            _ if is_dimmed => Source::Dimmed(frame),
-            _ => Source::Frame(frame),
-        };
-        let gain = self.layer(painter, first, 1.0, lens);
+        let gain = self.layer(painter, Source::of(panel, pictures, is_dimmed), 1.0, lens);
         if panel == Panel::Blend {
+            let [_, other] = panel.frames(pictures).map(Arc::clone);
             self.layer(painter, Source::Frame(other), share.get(), lens);
         }
         gain
+    }
+
+    /// Paints `panel` as the ground of a landscape.
+    pub fn lay(
+        &mut self,
+        painter: &Painter,
+        panel: Panel,
+        (lens, pictures): (&Lens, &paint::Pictures),
+        (corners, triangles): &(Vec<Corner>, Vec<[usize; 3]>),
+    ) {
+        let largest = painter.ctx().input(|i| i.max_texture_side);
+        let factor = factor(lens, painter.pixels_per_point(), largest);
+        let picture = self.get(painter, Source::of(panel, pictures, false), factor);
+        let covered = picture.texture.size().map(|side| (side * factor) as f32);
+        let mut mesh = Mesh::with_texture(picture.texture.id());
+        mesh.vertices = corners
+            .iter()
+            .map(|corner| Vertex {
+                pos: corner.at.into(),
+                uv: pos2((corner.pixel[0] + 0.5) / covered[0], (corner.pixel[1] + 0.5) / covered[1]),
+                color: Color32::WHITE.gamma_multiply(corner.opacity),
+            })
+            .collect();
+        mesh.indices = triangles.iter().flatten().map(|index| *index as u32).collect();
+        painter.add(Shape::mesh(mesh));
     }
 
     /// Paints the colours of `layer`.

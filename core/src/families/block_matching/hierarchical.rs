@@ -415,13 +415,15 @@ impl Estimator for Hierarchical {
                 .text(".");
         }
         let mut readouts = probe.readouts();
-        // A finer level tests few candidates of a wide search window: only the part around them is shown.
-        if !state.is_coarsest() {
-            readouts.iter_mut().for_each(|readout| {
-                if let Readout::Surface(surface) = readout {
+        for readout in &mut readouts {
+            if let Readout::Surface(surface) = readout {
+                // A finer level tests few candidates of a wide search window: only the part around them is shown.
+                if !state.is_coarsest() {
                     *surface = surface.around_tested(self.refinement_range + 1);
                 }
-            });
+                let factor = (1 << state.level) as f32;
+                surface.footing = surface.footing.take().map(|footing| footing.enlarged(factor));
+            }
         }
         if let Some(Readout::Facts(facts)) = readouts.first_mut() {
             let of = state.levels.len() - 1;

@@ -8,7 +8,7 @@ use crate::base::words::{cost as cost_text, fixed, grouped};
 use crate::data::{Between, Histogram};
 use crate::geometry::Grid;
 use crate::methods::cost::{Cut, Sum, bounds::Parts};
-use crate::scene::{BetweenPixels, Fact, Math, Readout, Role, Series, Surface, Tile};
+use crate::scene::{BetweenPixels, Fact, Footing, Math, Picture, Readout, Role, Series, Surface, Tile};
 
 impl Probe<'_> {
     /// The facts, formulas and charts of the step.
@@ -31,6 +31,7 @@ impl Probe<'_> {
             let tiles = self.subpixel_costs().into_iter().chain(self.tiles(candidate, rows)).collect();
             readouts.push(Readout::Tiles(tiles));
         }
+        let whole = self.whole();
         let is_on_surface = |candidate: &Match| candidate.fraction == [0.0; 2];
         let is_fitted = self.settings.refinement.subpixel == Subpixel::Parabola;
         readouts.push(Readout::Surface(Surface {
@@ -46,28 +47,29 @@ impl Probe<'_> {
             }),
             // A sub-pixel position is not on the cost surface; a fitted one stays where it was tested.
             best: self.best().filter(|best| is_fitted || best.fraction == [0.0; 2]).map(|best| best.displacement),
-            untested: self.untested(),
+            untested: self.untested(&whole),
             between: self.between(),
             truth: self.truth_in_window().filter(|_| self.is_over()),
+            footing: Some(Footing { whole: Some(whole), ..Footing::new(Picture::NEXT, self.block().center()) }),
         }));
         readouts.push(Readout::Series(self.series()));
         readouts.extend(self.histogram().map(Readout::Histogram));
         readouts
     }
 
+    /// The costs of all candidates, tested or not.
+    fn whole(&self) -> Grid<f32> {
+        let (all, [left, top], (width, height)) = (self.full_search(), self.window.min, self.window.size);
+        let cost = |x: usize, y: usize| all.cost([left + x as i32, top + y as i32]).unwrap_or(f64::NAN) as f32;
+        Grid::from_fn(width, height, cost)
+    }
+
     /// The costs of the candidates that the search has left out, at its end; those of levels are no misses.
-    fn untested(&self) -> Option<Grid<f32>> {
+    fn untested(&self, whole: &Grid<f32>) -> Option<Grid<f32>> {
         let costs = self.costs();
         let is_whole = costs.cells().iter().all(|cost| cost.is_finite());
-        (self.is_over() && !is_whole).then(|| {
-            let all = self.full_search();
-            let [left, top] = self.window.min;
-            let left_out = |x: usize, y: usize| {
-                let cost = all.cost([left + x as i32, top + y as i32]).unwrap_or(f64::NAN) as f32;
-                if costs[(x, y)].is_finite() { f32::NAN } else { cost }
-            };
-            Grid::from_fn(costs.width(), costs.height(), left_out)
-        })
+        let left_out = |x: usize, y: usize| if costs[(x, y)].is_finite() { f32::NAN } else { whole[(x, y)] };
+        (self.is_over() && !is_whole).then(|| Grid::from_fn(costs.width(), costs.height(), left_out))
     }
 
     /// The candidates between pixels.

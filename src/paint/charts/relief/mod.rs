@@ -3,6 +3,7 @@
 //! The window's graphics card draws the triangles of [`mesh`]; everywhere else the same surface is painted from back to
 //! front. Both have one projection ([`Screen`]), one light and one grid of lines.
 
+mod landscape;
 pub mod mesh;
 mod sheet;
 
@@ -14,7 +15,9 @@ use super::super::{Face, Layer, Theme, labels, number};
 use super::axis::Axis;
 use super::canvas::{Canvas, Level, Type, covered, shortened, solid};
 use super::{ChartStyle, Drawing, Orbit, Room, Screen, heat_map, titled};
+pub use landscape::{Corner, Landscape, Lean, standing};
 use mesh::{Bench, Pin};
+pub use sheet::polygons;
 
 /// How strong the lines along columns and rows are.
 pub const LINES: f32 = 0.42;
@@ -61,12 +64,8 @@ pub fn around(data: Relief<'_>, area: Rect, style: ChartStyle) -> Around {
     let is_tight = super::is_tight(area, small);
     let margin = if is_tight { [3.0, 0.8] } else { [4.5, 1.8] };
     let screen = Screen::new(rect, &orbit, Room::SURFACE, margin.map(|letters| letters * small));
-    let bench = Bench::new(surface);
-    let mut stand = Stand { screen, bench, eye: orbit.eye(), theme, is_tight, taken: Vec::new() };
-    let (mut below, mut above, mut head) = (Canvas::default(), Canvas::default(), Canvas::default());
-    stand.ground(&mut below);
-    stand.costs(&mut below, surface);
-    stand.pins(&mut above, surface);
+    let [below, mut above] = stand(surface, (screen, orbit.eye()), is_tight, theme);
+    let mut head = Canvas::default();
     let text = Type::text(theme);
     if surface.range().is_none() {
         let words = "No candidate is tested yet: step on.";
@@ -85,10 +84,20 @@ pub fn around(data: Relief<'_>, area: Rect, style: ChartStyle) -> Around {
     Around { screen, below, above, head }
 }
 
+/// What stands behind `surface` as the eye sees it, ground and axes, and before it, the costs at its pins.
+fn stand(surface: &Surface, (screen, eye): (Screen, Vec3), is_tight: bool, theme: Theme) -> [Canvas; 2] {
+    let mut stand = Stand { screen, bench: Bench::new(surface), eye, theme, is_tight, taken: Vec::new() };
+    let (mut below, mut above) = (Canvas::default(), Canvas::default());
+    stand.ground(&mut below);
+    stand.costs(&mut below, surface);
+    stand.pins(&mut above, surface);
+    [below, above]
+}
+
 /// Lays the surface out in the whole of `area`.
 pub fn draw(data: Relief<'_>, area: Rect, style: ChartStyle) -> Drawing<Screen> {
     let Around { screen, below, above, head } = around(data, area, style);
-    let surface = sheet::polygons(data.surface, (&screen, data.orbit), style);
+    let surface = polygons(data.surface, (&screen, data.orbit.eye()), style);
     let layer = |primitives| Layer { clip: Some(area), primitives };
     Drawing { place: screen, body: vec![layer(below), layer(surface), layer(above)], head }
 }

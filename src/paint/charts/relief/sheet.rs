@@ -6,7 +6,7 @@ use motionscope_core::scene::Surface;
 use super::super::super::Color;
 use super::super::super::primitive::{Point, Primitive};
 use super::super::canvas::solid;
-use super::super::{ChartStyle, Orbit, Screen};
+use super::super::{ChartStyle, Screen};
 use super::mesh::{self, Bench, Pin, Vertex};
 use super::{LINES, light, line_width};
 
@@ -31,8 +31,8 @@ struct Item {
 }
 
 /// The polygons of `surface` as they are seen, and its pins.
-pub fn polygons(surface: &Surface, (screen, orbit): (&Screen, Orbit), style: ChartStyle) -> Vec<Primitive> {
-    let sheet = Sheet { screen, eye: orbit.eye(), style };
+pub fn polygons(surface: &Surface, (screen, eye): (&Screen, Vec3), style: ChartStyle) -> Vec<Primitive> {
+    let sheet = Sheet { screen, eye, style };
     let grid = mesh::grid(surface, style.colors);
     let cells = grid.cells();
     let parts = sheet.parts(&grid, &cells);
@@ -213,7 +213,7 @@ mod tests {
 
     use super::super::super::super::primitive::Rect;
     use super::super::super::super::{ColorMap, Theme};
-    use super::super::super::Room;
+    use super::super::super::{Orbit, Room};
     use super::*;
 
     fn seen(known: impl Fn(usize, usize) -> bool, orbit: Orbit) -> Vec<Primitive> {
@@ -222,7 +222,7 @@ mod tests {
         let surface = Surface::new("SAD", [-2, -2], values, events);
         let style = ChartStyle { theme: Theme::Dark, colors: ColorMap::Viridis, density: 1.0 };
         let screen = Screen::new(Rect::new([0.0; 2], [300.0, 200.0]), &orbit, Room::SURFACE, [0.0; 2]);
-        polygons(&surface, (&screen, orbit), style)
+        polygons(&surface, (&screen, orbit.eye()), style)
     }
 
     fn middles(primitives: &[Primitive]) -> Vec<Point> {

@@ -323,6 +323,13 @@ impl Command {
                 "Make the next of the pictures the large one.",
                 const { &[key(Key::V)] },
             ),
+            C::Landscape => (
+                Menu::View,
+                Icon::Mountain,
+                "Landscape",
+                "Lean the picture back: the costs of the candidates rise from it. Drag to turn, scroll to zoom, double-click to return; a click goes to the step of a candidate.",
+                const { &[key(Key::P)] },
+            ),
             C::Lecture => (
                 Menu::View,
                 Icon::Presentation,

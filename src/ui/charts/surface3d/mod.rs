@@ -44,9 +44,21 @@ pub struct State {
     #[serde(skip)]
     front: Chart<(), Orbit>,
     #[serde(skip)]
+    renderer: Renderer,
+}
+
+/// A surface as the graphics card renders it; what was made is kept as long as it stays the same.
+#[derive(Default)]
+pub struct Renderer {
     mesh: Option<(u64, Mesh)>,
-    #[serde(skip)]
     gpu: Option<Gpu>,
+}
+
+impl Clone for Renderer {
+    /// What was made on the card belongs to one alone.
+    fn clone(&self) -> Self {
+        Self::default()
+    }
 }
 
 /// Shows the surface in the whole of `ui`.
@@ -75,7 +87,8 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
     });
     state.chart.body(&painter);
     if let (Some(card), Some(screen)) = (gpu, screen) {
-        render(&painter, &screen, (input, card), state);
+        let seen = Seen { screen: &screen, eye: orbit.eye(), opacity: 1.0 };
+        state.renderer.paint(&painter, seen, surface, (subject.theme, subject.colors), card);
         state.front.lay_out(&painter, (subject, surface), (area, orbit), |area, style| {
             let layer = Layer { clip: Some(area), primitives: relief::around(data, area, style).above };
             Drawing { place: (), body: vec![layer], head: Vec::new() }
@@ -99,21 +112,40 @@ pub fn turn(ui: &Ui, sensed: &egui::Response, orbit: &mut Orbit, usual: Orbit) {
     }
 }
 
-/// The surface as the graphics card shows it.
-fn render(painter: &Painter, screen: &Screen, (input, card): (Input<'_>, &RenderState), state: &mut State) {
-    let Input { surface, subject: Subject { theme, colors, .. }, .. } = input;
-    let key = fingerprint(surface, (theme, colors));
-    if state.mesh.as_ref().is_none_or(|(known, _)| *known != key) {
-        state.mesh = Some((key, mesh::relief(surface, colors, theme)));
-    }
-    let Some((_, mesh)) = &state.mesh else { return };
-    let scale = painter.pixels_per_point();
-    let rect = Rect::from_min_max(screen.rect.min.into(), screen.rect.max.into());
-    let size = [rect.width(), rect.height()].map(|c| (c * scale).round() as u32);
-    let job = gpu::Job { relief: (mesh, key), view: view(screen, &state.orbit, theme, scale), size };
-    if let Some(id) = state.gpu.get_or_insert_with(|| Gpu::new(card)).render(&job) {
-        let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
-        painter.add(Shape::image(id, rect, whole, Color32::WHITE));
+/// How a surface is seen.
+#[derive(Clone, Copy)]
+pub struct Seen<'a> {
+    /// The camera.
+    pub screen: &'a Screen,
+    /// Where it stands.
+    pub eye: Vec3,
+    /// From 0 to 1.
+    pub opacity: f32,
+}
+
+impl Renderer {
+    /// Paints `surface` as the graphics card shows it.
+    pub fn paint(
+        &mut self,
+        painter: &Painter,
+        seen: Seen<'_>,
+        surface: &Surface,
+        (theme, colors): (Theme, ColorMap),
+        card: &RenderState,
+    ) {
+        let key = fingerprint(surface, (theme, colors));
+        if self.mesh.as_ref().is_none_or(|(known, _)| *known != key) {
+            self.mesh = Some((key, mesh::relief(surface, colors, theme)));
+        }
+        let Some((_, mesh)) = &self.mesh else { return };
+        let scale = painter.pixels_per_point();
+        let rect = Rect::from_min_max(seen.screen.rect.min.into(), seen.screen.rect.max.into());
+        let size = [rect.width(), rect.height()].map(|c| (c * scale).round() as u32);
+        let job = gpu::Job { relief: (mesh, key), view: view(seen, theme, scale), size };
+        if let Some(id) = self.gpu.get_or_insert_with(|| Gpu::new(card)).render(&job) {
+            let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
+            painter.add(Shape::image(id, rect, whole, Color32::WHITE.gamma_multiply(seen.opacity)));
+        }
     }
 }
 
@@ -122,16 +154,18 @@ fn fingerprint(surface: &Surface, (theme, colors): (Theme, ColorMap)) -> u64 {
     use std::hash::{DefaultHasher, Hash, Hasher};
     let mut hasher = DefaultHasher::new();
     (surface.values.size(), surface.origin, surface.probe, surface.best, theme, colors.name()).hash(&mut hasher);
-    bytemuck::cast_slice::<f32, u8>(surface.values.cells()).hash(&mut hasher);
+    for costs in std::iter::once(&surface.values).chain(&surface.untested) {
+        bytemuck::cast_slice::<f32, u8>(costs.cells()).hash(&mut hasher);
+    }
     hasher.finish()
 }
 
-fn view(screen: &Screen, orbit: &Orbit, theme: Theme, pixels_per_point: f32) -> gpu::View {
+fn view(Seen { screen, eye, .. }: Seen<'_>, theme: Theme, pixels_per_point: f32) -> gpu::View {
     let four = |v: Vec3| [v.x, v.y, v.z, 0.0];
     gpu::View {
         clip_from_world: screen.clip_from_world.to_cols_array(),
         light: four(relief::light()),
-        eye: four(orbit.eye()),
+        eye: four(eye),
         line: [0.0, 0.0, 0.0, LINES],
         line_width: [relief::line_width(theme) * pixels_per_point.max(1.0), 0.0, 0.0, 0.0],
     }

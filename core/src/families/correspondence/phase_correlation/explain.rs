@@ -9,7 +9,7 @@ use crate::methods::numbers::percent;
 use crate::products::{FlowError, metrics};
 use crate::run::Seen;
 use crate::scene::{
-    BetweenPixels, Fact, Math, Matrix, Picture, Readout, Role, Scene, Sentence, Shape, Step, Surface, Tile,
+    BetweenPixels, Fact, Footing, Math, Matrix, Picture, Readout, Role, Scene, Sentence, Shape, Step, Surface, Tile,
 };
 
 /// Cells along a side of a tile, at most.
@@ -525,6 +525,8 @@ fn surface(stage: Stage, state: &State) -> Surface {
         },
         truth: middle.filter(|_| stage == Stage::Result),
         is_similarity: true,
+        // A translation of the whole picture is shown from its middle.
+        footing: Some(Footing::new(Picture::CURRENT, [width, height].map(|side| (side as f32 - 1.0) / 2.0))),
         ..Surface::new("r", origin, values, Grid::new(size[0], size[1], Some(1)))
     }
 }

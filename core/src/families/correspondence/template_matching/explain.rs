@@ -12,7 +12,8 @@ use crate::methods::differential::numbers;
 use crate::methods::features::trails;
 use crate::run::Seen;
 use crate::scene::{
-    Arrow, Canvas, Fact, Math, Picture, PictureRole, Readout, Role, Scene, Sentence, Series, Shape, Step, Surface, Tile,
+    Arrow, Canvas, Fact, Footing, Math, Picture, PictureRole, Readout, Role, Scene, Sentence, Series, Shape, Step,
+    Surface, Tile,
 };
 
 /// Peaks whose ratio is smaller are ambiguous.
@@ -561,6 +562,11 @@ impl TemplateMatching {
             let to = found.true_point?;
             Some([0, 1].map(|i| to[i] - seen.before.template.anchor[i] - pair.from[i] as f32))
         });
+        // A match stands at its centre.
+        let (width_px, height_px) = seen.before.template.pixels.size();
+        let center =
+            [(pair.from[0], width_px), (pair.from[1], height_px)].map(|(c, side)| c as f32 + (side as f32 - 1.0) / 2.0);
+        let footing = Footing::new(Picture::NEXT, center);
         let all = pair.costs.cells().iter().map(|cost| *cost as f32);
         let range = all.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], cost| [low.min(cost), high.max(cost)]);
         Surface {
@@ -573,6 +579,7 @@ impl TemplateMatching {
             probe: shown.place.filter(|_| shown.found.is_none()).map(|place| pair.displacement(place)),
             best: shown.best.map(|best| pair.displacement(best)),
             truth,
+            footing: Some(Footing { whole: Some(pair.costs.map(|cost| *cost as f32)), ..footing }),
             ..Surface::new(self.score.cost_name(), pair.displacement((0, 0)), values, events)
         }
     }

@@ -6,7 +6,9 @@ use crate::base::words::{counted, fixed, place};
 use crate::geometry::Grid;
 use crate::methods::numbers::ratio;
 use crate::methods::region::{At, Ending, Explained, Outcome};
-use crate::scene::{Arrow, BetweenPixels, Fact, Math, Picture, Readout, Role, Scene, Sentence, Shape, Surface, Tile};
+use crate::scene::{
+    Arrow, BetweenPixels, Fact, Footing, Math, Picture, Readout, Role, Scene, Sentence, Shape, Surface, Tile,
+};
 
 /// The response is drawn as a surface up to this displacement, in px.
 const REACH_PX: i32 = 24;
@@ -313,6 +315,7 @@ fn surface(response: &Response) -> Surface {
         best: is_shown.then_some(best),
         between: if is_shown { vec![BetweenPixels::of_unknown(response.displacement)] } else { Vec::new() },
         is_similarity: true,
+        footing: Some(Footing::new(Picture::CURRENT, [0, 1].map(|i| (response.origin[i] + middle[i]) as f32))),
         ..Surface::new("g", origin, values, Grid::new(size[0], size[1], Some(1)))
     }
 }

@@ -1,0 +1,135 @@
+//! The picture leaned back, and the landscape of the method that rises out of it.
+
+use std::sync::Arc;
+
+use eframe::egui::{self, Ui};
+use motionscope_core::scene::{Footing, Surface};
+use motionscope_core::{Role, Step};
+
+use super::{Hand, Input, Spot, State};
+use crate::paint::charts::Orbit;
+use crate::paint::charts::relief::{Landscape, Lean, standing};
+use crate::paint::{Placement, primitive, resolve};
+use crate::ui::charts::surface3d::{Renderer, Seen};
+use crate::ui::drawing::primitives;
+
+/// How long a picture leans back or folds flat, in seconds.
+const SECS: f32 = 0.7;
+/// How long a candidate falls, in seconds.
+const FALL_SECS: f64 = 0.25;
+/// Radius of a falling candidate, in points.
+const BALL_PT: f32 = 6.0;
+/// How far from a candidate a click may be, in points.
+const REACH_PT: f32 = 14.0;
+
+/// What the stage remembers of its landscapes.
+#[derive(Clone, Default)]
+pub struct Landscapes {
+    /// One for each estimator.
+    all: Vec<Shown>,
+}
+
+/// The landscape of one estimator.
+#[derive(Clone, Default)]
+struct Shown {
+    /// The step whose surface it is, and that surface with all that is known of it.
+    of: Option<(Arc<Step>, Surface)>,
+    /// When that step was shown first, in seconds.
+    since: f64,
+    /// From 0, flat, to 1.
+    amount: f32,
+    renderer: Renderer,
+}
+
+impl Shown {
+    /// The share of its way that the candidate of the step has fallen.
+    fn fallen(&self, ui: &Ui) -> f32 {
+        ((ui.input(|i| i.time) - self.since) / FALL_SECS).clamp(0.0, 1.0) as f32
+    }
+}
+
+impl Landscapes {
+    /// Takes note of the step behind a spot, and leans its picture back or folds it flat.
+    pub(super) fn follow(&mut self, ui: &Ui, spot: &Spot<'_>, input: &Input<'_>) {
+        if self.all.len() <= spot.member {
+            self.all.resize_with(spot.member + 1, Shown::default);
+        }
+        let shown = &mut self.all[spot.member];
+        let step = input.step_of(spot.member);
+        let is_seen = |footing: &Footing| !spot.is_small && spot.panel.shows(footing.on);
+        let found = step.and_then(|step| standing(step).filter(|(_, footing)| is_seen(footing)).zip(Some(step)));
+        if let Some(((surface, _), step)) = found
+            && shown.of.as_ref().is_none_or(|(known, _)| !Arc::ptr_eq(known, step))
+        {
+            shown.of = Some((Arc::clone(step), surface.landscape()));
+            shown.since = if input.animate { ui.input(|i| i.time) } else { f64::NEG_INFINITY };
+        }
+        // Nothing is drawn or placed on a picture that leans.
+        let is_free = input.placing.is_none() && !matches!(input.presenting.hand, Hand::Draw(_));
+        let secs = if input.animate { SECS } else { 0.0 };
+        let id = ui.scope_id().with(("landscape", spot.member));
+        shown.amount = ui.ctx().animate_bool_with_time(id, input.look.landscape && is_free && found.is_some(), secs);
+    }
+
+    /// The landscape on the picture of a spot; none while it is flat.
+    fn on<'a>(&'a self, spot: &Spot<'_>, orbit: Orbit) -> Option<Landscape<'a>> {
+        let Shown { of, amount, .. } = self.all.get(spot.member)?;
+        let (_, surface) = of.as_ref().filter(|_| *amount > 0.0 && !spot.is_small)?;
+        let footing = surface.footing.as_ref().filter(|footing| spot.panel.shows(footing.on))?;
+        Some(Landscape::new((surface, footing), (flat(spot), pane(spot)), Lean { amount: *amount, orbit }))
+    }
+
+    /// Whether the picture of a spot leans, so that its pixels are not where its lens has them.
+    pub(super) fn leans(&self, spot: &Spot<'_>) -> bool {
+        self.on(spot, Orbit::default()).is_some()
+    }
+
+    /// The displacement that was clicked in the landscape of a spot.
+    pub(super) fn clicked(&self, spot: &Spot<'_>, sensed: &egui::Response, orbit: Orbit) -> Option<[i32; 2]> {
+        let at = sensed.interact_pointer_pos().filter(|_| sensed.clicked())?;
+        self.on(spot, orbit)?.displacement_at(at.into(), REACH_PT)
+    }
+}
+
+fn flat(spot: &Spot<'_>) -> Placement {
+    Placement::new(spot.lens.picture_rect().min.into(), spot.lens.scale)
+}
+
+fn pane(spot: &Spot<'_>) -> primitive::Rect {
+    primitive::Rect { min: spot.lens.pane.min.into(), max: spot.lens.pane.max.into() }
+}
+
+/// Paints the picture of a spot with its marks as the ground, and what rises from it.
+pub(super) fn paint(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut State) {
+    let painter = &ui.painter_at(spot.lens.pane);
+    let look = state.marks.look(input);
+    let Some(landscape) = state.landscapes.on(spot, input.orbit) else { return };
+    let size = spot.panel.frames(&spot.pictures)[0].size();
+    state.pictures.lay(painter, spot.panel, (&spot.lens, &spot.pictures), &landscape.picture(size));
+    let marks = spot.scene.marks.iter().filter(|mark| spot.panel.shows(mark.on) && !mark.shape.is_layer());
+    let paint = |of: &[primitive::Primitive]| painter.extend(primitives::shapes(painter, of));
+    paint(&landscape.laid(resolve(marks, &look, flat(spot))));
+    let [behind, before] = landscape.stand(input.theme());
+    paint(&behind);
+    let (theme, colors) = (input.theme(), input.look.colors);
+    let fallen = state.landscapes.all.get(spot.member).map_or(1.0, |shown| shown.fallen(ui));
+    let ball = landscape.falling(fallen).filter(|_| fallen < 1.0 && landscape.rise == 1.0);
+    match input.gpu {
+        Some(card) => {
+            let Landscape { screen, eye, rise, .. } = landscape;
+            let Some(Shown { of: Some((_, surface)), renderer, .. }) = state.landscapes.all.get_mut(spot.member) else {
+                return;
+            };
+            let seen = Seen { screen: &screen, eye, opacity: (4.0 * rise).min(1.0) };
+            renderer.paint(painter, seen, surface, (theme, colors), card);
+        }
+        None => paint(&landscape.polygons((theme, colors, painter.pixels_per_point()))),
+    }
+    paint(&before);
+    if let Some(center) = ball {
+        let ink = theme.ink(Role::Candidate);
+        let disc = |radius, color| primitive::Primitive::Disc { center, radius, color };
+        paint(&[disc(BALL_PT + ink.halo_width, ink.halo), disc(BALL_PT, ink.color)]);
+        ui.ctx().request_repaint();
+    }
+}
