@@ -49,16 +49,19 @@ impl Shown {
 }
 
 impl Landscapes {
-    /// Takes note of the step behind a spot, and leans its picture back or folds it flat.
-    pub(super) fn follow(&mut self, ui: &Ui, spot: &Spot<'_>, input: &Input<'_>) {
-        if self.all.len() <= spot.member {
-            self.all.resize_with(spot.member + 1, Shown::default);
+    /// Takes note of the step behind the spots of one estimator, and leans its picture back or folds it flat.
+    pub(super) fn follow(&mut self, ui: &Ui, spots: &[Spot<'_>], input: &Input<'_>) {
+        let Some(member) = spots.first().map(|spot| spot.member) else { return };
+        if self.all.len() <= member {
+            self.all.resize_with(member + 1, Shown::default);
         }
-        let shown = &mut self.all[spot.member];
-        let step = input.step_of(spot.member);
-        let is_seen = |footing: &Footing| !spot.is_small && spot.panel.shows(footing.on);
-        let found = step.and_then(|step| standing(step).filter(|(_, footing)| is_seen(footing)).zip(Some(step)));
-        if let Some(((surface, _), step)) = found
+        let shown = &mut self.all[member];
+        let is_seen = |footing: &Footing| spots.iter().any(|spot| !spot.is_small && spot.panel.shows(footing.on));
+        let found = input.step_of(member).and_then(|step| {
+            let (surface, _) = standing(step).filter(|(_, footing)| is_seen(footing))?;
+            Some((step, surface))
+        });
+        if let Some((step, surface)) = found
             && shown.of.as_ref().is_none_or(|(known, _)| !Arc::ptr_eq(known, step))
         {
             shown.of = Some((Arc::clone(step), surface.landscape()));
@@ -67,7 +70,7 @@ impl Landscapes {
         // Nothing is drawn or placed on a picture that leans.
         let is_free = input.placing.is_none() && !matches!(input.presenting.hand, Hand::Draw(_));
         let secs = if input.animate { SECS } else { 0.0 };
-        let id = ui.scope_id().with(("landscape", spot.member));
+        let id = ui.scope_id().with(("landscape", member));
         shown.amount = ui.ctx().animate_bool_with_time(id, input.look.landscape && is_free && found.is_some(), secs);
     }
 

@@ -482,7 +482,9 @@ fn panes(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Respo
     for spot in &spots {
         state.glides[spot.member].follow(spot.scene, input.animate, time);
         state.pulses[spot.member].follow((input.cursor, spot.scene), input.animate, time);
-        state.landscapes.follow(ui, spot, input);
+    }
+    for spots in spots.chunk_by(|a, b| a.member == b.member) {
+        state.landscapes.follow(ui, spots, input);
     }
     if state.pulses.iter().any(|pulse| pulse.is_lit(time)) {
         ui.ctx().request_repaint_after_secs(pulse::FRAME_SECS);
