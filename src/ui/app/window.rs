@@ -662,7 +662,7 @@ impl App {
             Overlay::Open(state) => open_dialog::show(ctx, state, &self.settings.recent, actions),
             Overlay::Save(state) => save_dialog::show(ctx, state, self.granularities(), actions),
             Overlay::Camera(state) => camera::show(ctx, state, (&self.document, &mut self.settings), actions),
-            Overlay::Compare(state) => compare::show(ctx, state, &self.document, theme, actions),
+            Overlay::Compare(state) => compare::show(ctx, state, &self.document, &self.settings.look, actions),
             Overlay::Lessons(state) => lessons::show(ctx, state, theme, actions),
             Overlay::Samples => {
                 let plays = !self.settings.reduced_motion;
