@@ -333,6 +333,7 @@ impl App {
             checking: self.view.checking,
             playing: self.player.is_playing(),
             lecture: self.settings.lecture,
+            has_open_parameters: self.settings.is_narrow && !self.folded().parameters,
             has_charts: !self.folded().charts && !self.charts().is_empty(),
             has_large_picture: self.arranged.stage.is_some() && self.arranged.panes.has_large(),
             has_enlarged: self.settings.charts.is_enlarged
@@ -529,12 +530,20 @@ impl App {
             place: shown.and_then(status::nested_place),
             now: self.now(),
             granularities: self.granularities(),
+            has_strip: self.has_strip(),
             folded: self.folded(),
             reduced_motion: self.settings.reduced_motion,
             recent: &self.settings.recent,
             look: self.settings.look,
         };
         topbar::show(ui, &input, actions);
+    }
+
+    /// Whether the line at the top has the parameters that matter most: where they have no place of their own, and neither a lesson nor an
+    /// error is read.
+    fn has_strip(&self) -> bool {
+        let has_error = self.error.is_some() || self.refused().is_some();
+        self.settings.is_narrow && self.folded().parameters && self.lesson.is_none() && !has_error
     }
 
     fn transport(&self, ui: &mut Ui, actions: &mut Actions) {
@@ -607,6 +616,7 @@ impl App {
             charts: &mut self.settings.charts,
             shares: &mut self.settings.shares,
             animate: !calm && !ui.input(|i| i.pointer.any_down()),
+            can_be_closed: self.settings.is_narrow,
             has_no_status: room.mode.is_lecture(),
             flows: !self.settings.reduced_motion,
             gpu,
