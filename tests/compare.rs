@@ -41,6 +41,28 @@ fn a_row_has_the_numbers_of_a_single_run() {
 }
 
 #[test]
+fn a_comparison_is_told_in_a_sentence() {
+    let line = format!("compare {SMALL} --estimators diamond,full-search");
+    let rows = json(&format!("{line} --json"));
+    assert!(rows[1].get("comparison").is_none(), "the exhaustive search is the reference: {rows}");
+    assert_eq!(rows[0]["reference"], "full-search");
+    let told = rows[0]["comparison"].as_str().unwrap();
+    let shown = |row: usize, name: &str| rows[row][name].as_f64().unwrap();
+    let ratio = ((10.0 * shown(1, "candidates_mean")).round() / (10.0 * shown(0, "candidates_mean")).round()).round();
+    assert!(told.starts_with(&format!("{ratio} × fewer candidates, ")), "{told}: {rows}");
+    let epe = |row| (1e3 * shown(row, "epe_px")).round();
+    let word = match epe(0).total_cmp(&epe(1)) {
+        std::cmp::Ordering::Less => "better",
+        std::cmp::Ordering::Greater => "worse",
+        std::cmp::Ordering::Equal => "the same EPE",
+    };
+    assert!(told.ends_with(word), "{told}: {rows}");
+    let sentence = format!("Diamond search compared with Full search: {told}.");
+    assert!(stdout(&line).contains(&sentence) && stdout(&format!("{line} --markdown")).contains(&sentence));
+    assert!(!stdout(&format!("compare {SMALL} --estimators diamond")).contains("compared with"), "with what?");
+}
+
+#[test]
 fn a_sweep_runs_a_parameter_or_a_slider_through_its_values() {
     let candidates = |rows: &Value| -> Vec<f64> {
         rows.as_array().unwrap().iter().map(|row| row["candidates_most"].as_f64().unwrap()).collect()

@@ -2,6 +2,8 @@
 
 #[path = "window/camera.rs"]
 mod camera;
+#[path = "window/compare.rs"]
+mod compare;
 #[path = "window/every.rs"]
 mod every;
 #[path = "window/files.rs"]

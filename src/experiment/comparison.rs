@@ -1,5 +1,8 @@
 //! The comparison of estimators: its rows, its columns, and the table as text, Markdown, CSV and JSON.
 
+mod better;
+pub mod conclusion;
+
 use std::borrow::Borrow;
 use std::time::{Duration, Instant};
 
@@ -170,6 +173,14 @@ impl Column {
             From::Row(value, _) => value(row),
             From::Assessment(measure, per) => row.assessment.value(measure).map(|value| value / per),
         }
+    }
+
+    /// Returns the number in `row` with the decimals that are shown.
+    pub fn shown(&self, row: &Row) -> Option<f64> {
+        self.value(row).map(|value| match self.digits {
+            0 => value.round(),
+            digits => format!("{value:.digits$}").parse().unwrap_or(value),
+        })
     }
 
     /// Returns the number in `row` as shown, or the word that stands for it.
@@ -350,9 +361,15 @@ fn cells(rows: &[Row]) -> Vec<Vec<String>> {
     std::iter::once(heading).chain(rows.iter().map(line)).collect()
 }
 
-/// Returns the table as text, followed by the definitions of its columns.
+/// Returns the table as text, followed by the comparison in sentences and the definitions of its columns.
 pub fn text(rows: &[Row]) -> String {
-    columns(&cells(rows)) + "\n" + &key(rows)
+    columns(&cells(rows)) + "\n" + &paragraph(rows) + &key(rows)
+}
+
+/// The sentences of the comparison, one per line, and an empty line; nothing where there is nothing to say.
+fn paragraph(rows: &[Row]) -> String {
+    let lines: String = conclusion::sentences(rows).iter().map(|sentence| format!("{sentence}\n")).collect();
+    if lines.is_empty() { lines } else { lines + "\n" }
 }
 
 /// Returns `lines` aligned in columns: the first left-aligned, the others right-aligned.
@@ -368,9 +385,10 @@ pub fn columns(lines: &[Vec<String>]) -> String {
     text
 }
 
-/// Returns the table as Markdown.
+/// Returns the table as Markdown, followed by the comparison in sentences.
 pub fn markdown(rows: &[Row]) -> String {
-    markdown_table(&cells(rows))
+    let sentences = conclusion::sentences(rows).into_iter().map(|sentence| format!("\n{sentence}\n"));
+    markdown_table(&cells(rows)) + &sentences.collect::<String>()
 }
 
 /// Returns `lines` as a Markdown table; the first line is the heading.
@@ -396,9 +414,11 @@ pub fn csv<R: Borrow<Row>>(rows: &[R]) -> String {
     names.join(",") + "\n" + &rows().map(line).collect::<String>()
 }
 
-/// Returns the table as JSON: one object per row, with the numbers of the blocks whose minimum was missed.
+/// Returns the table as JSON: one object per row, with the numbers of the blocks whose minimum was missed, and unless something was
+/// swept with the reference and the comparison with it in words.
 pub fn json(rows: &[Row]) -> serde_json::Value {
     let all = all_columns();
+    let reference = rows.get(conclusion::reference(rows)).filter(|row| row.swept.is_none());
     let object = |row: &Row| {
         let mut object = Map::new();
         object.insert("estimator".into(), row.id().into());
@@ -413,6 +433,10 @@ pub fn json(rows: &[Row]) -> serde_json::Value {
             let missed = blocks.missed.as_ref();
             let numbers = missed.map(|missed| missed.iter().map(|block| block + 1).collect::<Vec<_>>());
             object.insert("missed".into(), json!(numbers));
+        }
+        if let Some(reference) = reference.filter(|reference| !std::ptr::eq(*reference, row)) {
+            object.insert("reference".into(), reference.id().into());
+            object.insert("comparison".into(), conclusion::against(row, reference).into());
         }
         serde_json::Value::Object(object)
     };
@@ -523,9 +547,30 @@ pub fn set_all(estimators: &mut [Box<dyn AnyEstimator>], name: &str, value: &str
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::compare::{LIGHT, NOISE_SIGMA};
+    use motionscope_core::compare::{BlockFigures, LIGHT, NOISE_SIGMA};
+    use motionscope_core::products::Score;
 
     use super::*;
+
+    /// The column of this name.
+    pub(super) fn column(name: &str) -> Column {
+        all_columns().into_iter().find(|column| column.name == name).expect("there is such a column")
+    }
+
+    /// A row of an estimator with a mean number of candidates, unless that is undefined, and scores.
+    pub(super) fn row(id: &str, candidates: f64, scores: &[(&'static Measure, f64)]) -> Row {
+        let blocks = BlockFigures { candidates_mean: candidates, candidates_most: 9, missed: None, count: 4 };
+        let blocks = Some(blocks).filter(|blocks| blocks.candidates_mean.is_finite());
+        let figures = Figures { memory_bytes: 9, kept_in_noise: None, kept_in_light: None, units: 4, blocks };
+        let scores = scores.iter().map(|(measure, value)| Score { measure, value: (*value).into() }).collect();
+        Row {
+            estimator: estimator(id).expect("it exists"),
+            swept: None,
+            time: Duration::from_millis(5),
+            assessment: Assessment { scores, ..Assessment::default() },
+            figures,
+        }
+    }
 
     #[test]
     fn a_value_out_of_range_names_its_estimator() {

@@ -6,5 +6,7 @@ pub const SAMPLE: &str = "pillar";
 pub const EXAMPLE: &str = "full-search";
 /// The default estimators in lockstep: the best-known searches.
 pub const BESIDE: [&str; 3] = ["full-search", "three-step", "diamond"];
+/// The search with which others are compared: it tests every candidate.
+pub const EXHAUSTIVE: &str = "full-search";
 /// The estimator for a file of detections.
 pub const OF_DETECTIONS: &str = "kalman-tracker";

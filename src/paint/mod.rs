@@ -42,7 +42,7 @@ pub use marks::{ArrowStyle, Lengthen, Look, Placement, Style, ellipse, is_length
 pub use number::{THIN, grouped, labels, number, places};
 pub use panel::{LevelShown, Panel, Phase, Pictures, Share, Shown, View};
 pub use pdf::{Placed, Sheet, export_pdf, export_sheets};
-pub use png::export_png;
+pub use png::{export_png, pixels};
 pub use primitive::Primitive;
 pub use reduced::reduced;
 pub use svg::{SvgText, export_svg};

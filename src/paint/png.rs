@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::io::Write;
 
-use motionscope_core::Error;
+use motionscope_core::{Error, Grid};
 
 use super::Figure;
 use super::raster::{self, BoundedLayer};
@@ -25,6 +25,21 @@ pub fn export_png(figure: &Figure, scale: u32) -> Result<Vec<u8>, Error> {
     let size = fitting_size(figure, scale)?;
     paint(figure, scale, size)
         .map_err(|reason| Error::new(format!("the picture of {}×{} px could not be made: {reason}", size.0, size.1)))
+}
+
+/// The pixels of `figure`, as in a PNG file.
+///
+/// # Errors
+/// If the picture would be too large.
+pub fn pixels(figure: &Figure, scale: u32) -> Result<Grid<[u8; 3]>, Error> {
+    let (width, height) = fitting_size(figure, scale)?;
+    let mut pixels = Vec::new();
+    let add = |rows: &[u8]| {
+        pixels.extend(rows.chunks_exact(3).map(|pixel| [pixel[0], pixel[1], pixel[2]]));
+        Ok(())
+    };
+    strips(figure, scale, height, add).map_err(Error::new)?;
+    Grid::from_vec(width as usize, height as usize, pixels)
 }
 
 /// Width and height in px, if they are sane.
@@ -104,6 +119,15 @@ mod tests {
         assert!(refused(&figure(8.0, 8.0), u32::MAX).contains("smaller scale"));
         assert!(refused(&figure(8.0, 8.0), 0).contains("without pixels"));
         assert!(fitting_size(&figure(1920.0, 1080.0), 8).is_ok());
+    }
+
+    #[test]
+    fn its_pixels_are_those_of_the_file() {
+        let figure = Figure { background: Color::hex(0x12_34_56), ..figure(3.0, 200.0) };
+        let pixels = pixels(&figure, 2).expect("a small picture");
+        assert_eq!((pixels.size(), pixels.cells()[0]), ((6, 400), [0x12, 0x34, 0x56]));
+        let file = image::load_from_memory(&export_png(&figure, 2).expect("a small picture")).expect("a PNG file");
+        assert_eq!(file.to_rgb8().as_raw(), bytemuck::cast_slice::<_, u8>(pixels.cells()));
     }
 
     #[test]

@@ -9,6 +9,7 @@ pub mod page;
 pub mod panes;
 pub mod paper;
 pub mod rendering;
+pub mod result;
 pub mod sheet;
 pub mod steps;
 pub mod sweep_plot;

@@ -6,14 +6,14 @@ use std::sync::Arc;
 
 use motionscope_core::params::Kind;
 use motionscope_core::scene::{Readout, Sentence};
-use motionscope_core::{AnyEstimator, Error, Spec, Value};
+use motionscope_core::{AnyEstimator, Error, Grid, Spec, Value};
 
 use super::look::{CaptionWords, Look};
 use super::moment::Moment;
 use super::panes::Selection;
 use super::sheet::Layout;
 use crate::paint::charts::explanation::equation_of;
-use crate::paint::{Caption, Figure, FigureOptions, Part, View, export_pdf, export_png, export_svg};
+use crate::paint::{self, Caption, Figure, FigureOptions, Part, View, export_pdf, export_png, export_svg};
 
 /// The scale of marks in SVG and PDF, as in a PNG of this scale.
 const SVG_SCALE: u32 = 2;
@@ -73,6 +73,14 @@ impl Rendering<'_> {
         around: impl FnOnce(Figure) -> Figure,
     ) -> Result<Vec<u8>, Error> {
         self.encoded(format, scale, |scale| around(self.picture(scale, None)))
+    }
+
+    /// Returns the pixels of the picture, `scale` for each pixel of the clip.
+    ///
+    /// # Errors
+    /// As [`Rendering::encode`].
+    pub fn pixels(&self, scale: u32) -> Result<Grid<[u8; 3]>, Error> {
+        paint::pixels(&self.picture(scale, None), scale)
     }
 
     /// Encodes the figure that is made for a scale of marks.

@@ -20,10 +20,10 @@ const TOUCH: f32 = 0.12;
 
 /// A word as it is painted, and the part of the window that it may be painted in.
 #[derive(Clone, Debug)]
-struct Word {
-    text: String,
-    rect: Rect,
-    clip: Rect,
+pub struct Word {
+    pub text: String,
+    pub rect: Rect,
+    pub clip: Rect,
 }
 
 fn texts(shape: &Shape, clip: Rect, all: &mut Vec<Word>) {
@@ -45,7 +45,7 @@ fn is_seen(text: &TextShape) -> bool {
 }
 
 /// Every word in sight.
-fn words(shapes: &[ClippedShape]) -> Vec<Word> {
+pub fn words(shapes: &[ClippedShape]) -> Vec<Word> {
     let mut all = Vec::new();
     shapes.iter().for_each(|clipped| texts(&clipped.shape, clipped.clip_rect, &mut all));
     all.retain(|word| word.clip.intersect(word.rect).is_positive());

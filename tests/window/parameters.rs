@@ -133,3 +133,64 @@ fn what_has_no_effect_is_disabled_and_advanced_ones_lie_in_a_fold_that_is_rememb
     again.key(Key::Enter);
     assert!(has(&again, "Tolerance"), "after the next start");
 }
+
+/// A window too narrow for the parameters, which stand in its header instead.
+fn narrow() -> Window {
+    Window::with(vec2(1280.0, 720.0), Start::default())
+}
+
+#[test]
+fn a_narrow_window_has_the_parameters_that_matter_most_in_its_header() {
+    for theme in [Command::LightTheme, Command::ProjectorTheme] {
+        let mut window = narrow();
+        let pictures = |window: &Window| window.region(Region::Stage);
+        window.command(theme);
+        assert!(!window.has(Region::Parameters));
+        let header = window.region(Region::Header);
+        let field = |window: &Window, name: &str| {
+            window.harness.query_by_role_and_label(Role::SpinButton, name).map(|node| node.rect())
+        };
+        for name in ["Block size", "Search range"] {
+            let rect = field(&window, name).unwrap_or_else(|| panic!("{theme:?}: {name}"));
+            assert!(header.contains_rect(rect), "{theme:?}: {name} at {rect:?}");
+        }
+        let before = pictures(&window);
+        window.harness.get_by_role_and_label(Role::SpinButton, "Block size").set_value_accesskit(24.0);
+        window.settle();
+        assert_eq!(window.value("block"), Value::Int(24));
+        window.command(Command::Undo);
+        assert_eq!(window.value("block"), Value::Int(16), "one gesture is one change");
+        assert_eq!(pictures(&window), before);
+        window.command(Command::Present);
+        assert!(field(&window, "Block size").is_none(), "nothing stands around the pictures in full screen");
+        window.command(Command::Present);
+        window.harness.state_mut().open("lesson:sequential-search/1");
+        window.settle();
+        assert!(window.has(Region::Lesson) && field(&window, "Block size").is_none(), "a lesson is read");
+    }
+}
+
+#[test]
+fn a_wide_window_has_its_parameters_in_a_pane_alone() {
+    let window = Window::usual();
+    assert!(window.has(Region::Parameters));
+    let fields = window.harness.query_all_by_role_and_label(Role::SpinButton, "Block size").count();
+    assert_eq!(fields, 1);
+}
+
+#[test]
+fn escape_and_a_cross_give_the_words_their_place_back() {
+    let mut window = narrow();
+    for theme in [Command::DarkTheme, Command::ProjectorTheme] {
+        window.command(theme);
+        let told = |window: &Window| window.has(Region::Explanation) || window.has(Region::Strip);
+        assert!(told(&window));
+        window.command(Command::ShowParameters);
+        assert!(window.has(Region::Parameters) && !told(&window), "{theme:?}");
+        window.key(Key::Escape);
+        assert!(!window.has(Region::Parameters) && told(&window), "{theme:?}");
+        window.command(Command::ShowParameters);
+        window.click("Close parameters");
+        assert!(!window.has(Region::Parameters) && told(&window), "{theme:?}");
+    }
+}

@@ -49,6 +49,43 @@ fn a_question_names_the_unit_that_it_is_about() {
 }
 
 #[test]
+fn a_question_of_a_frame_names_its_number_in_the_clip() {
+    let mut window = asking("kalman-filter", "9.0", "synth:traffic");
+    for _ in 0..20 {
+        if question(&window).is_none() {
+            window.key(Key::ArrowRight);
+        }
+    }
+    let asked = window.app().predict().open().expect("one is open");
+    let (frame, text) = (asked.asked_of().frame, asked.question.text);
+    assert!(window.harness.query_by_label(&format!("Pass 1, frame {frame}: {text}")).is_some(), "{frame}: {text}");
+}
+
+#[test]
+fn eight_directions_and_the_same_place_lie_as_on_a_number_pad() {
+    let mut window = asking("full-search", "28.0", "synth:pillar");
+    window.press(Modifiers::SHIFT, Key::ArrowRight);
+    assert!(matches!(question(&window), Some(Question { asked: Asked::Place { .. }, .. })));
+    let at = |name: &str| window.harness.get_by_label(&format!("{name}: 0")).rect().center();
+    let rows = [
+        ["Upper left", "Above", "Upper right"],
+        ["Left", "Same place", "Right"],
+        ["Lower left", "Below", "Lower right"],
+    ];
+    let places = rows.map(|row| row.map(at));
+    for i in 0..3 {
+        for j in 0..2 {
+            assert!(places[i][j].x < places[i][j + 1].x && (places[i][j].y - places[i][j + 1].y).abs() < 1.0);
+            assert!(places[j][i].y < places[j + 1][i].y && (places[j][i].x - places[j + 1][i].x).abs() < 1.0);
+        }
+    }
+    assert!(layout::words(&window.harness.output().shapes).iter().any(|word| word.text.ends_with("Same place")));
+    window.click("Same place: 0");
+    let hands = window.app().predict().open().map(|open| open.guesses.hands[4]);
+    assert_eq!(hands, Some(1));
+}
+
+#[test]
 fn a_result_is_hidden_until_it_is_revealed() {
     let mut plain = Window::usual();
     plain.command(Command::Start);

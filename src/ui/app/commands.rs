@@ -593,6 +593,8 @@ pub struct Situation {
     pub playing: bool,
     /// The window is in the lecture layout because the person wants it.
     pub lecture: bool,
+    /// The parameters take the room of other panes.
+    pub has_open_parameters: bool,
     /// The step has charts.
     pub has_charts: bool,
     /// Whether one of several pictures is larger than the others.

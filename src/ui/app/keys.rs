@@ -56,6 +56,8 @@ enum Escape {
     Pointer,
     /// Takes the magnifying glass away.
     Loupe,
+    /// Closes the parameters where they take the room of other panes.
+    Parameters,
     /// Gives the stage its place back.
     Chart,
     /// Lets the held pixel go.
@@ -69,13 +71,14 @@ enum Escape {
 }
 
 impl Escape {
-    const ORDER: [Escape; 11] = [
+    const ORDER: [Escape; 12] = [
         Escape::StartPage,
         Escape::Stop,
         Escape::Placing,
         Escape::Pen,
         Escape::Pointer,
         Escape::Loupe,
+        Escape::Parameters,
         Escape::Chart,
         Escape::Pixel,
         Escape::Present,
@@ -98,6 +101,7 @@ impl Escape {
             Self::Pointer => now.is_pointing,
             Self::Present => now.is_presenting,
             Self::Pixel => now.holds_pixel,
+            Self::Parameters => now.has_open_parameters,
             Self::Chart => now.has_enlarged,
             Self::Lecture => now.lecture,
             Self::Lockstep => now.in_lockstep,
@@ -114,6 +118,7 @@ impl Escape {
             Self::Pointer => Action::Command(Command::Pointer),
             Self::Present => Action::Command(Command::Present),
             Self::Pixel => Action::Release,
+            Self::Parameters => Action::Command(Command::ShowParameters),
             Self::Chart => Action::Command(Command::EnlargeChart),
             Self::Lecture => Action::Command(Command::Lecture),
             Self::Lockstep => Action::Command(Command::Lockstep),
@@ -350,11 +355,12 @@ mod tests {
                 is_drawing: is(3),
                 is_pointing: is(4),
                 has_loupe: is(5),
-                has_enlarged: is(6),
-                holds_pixel: is(7),
-                is_presenting: is(8),
-                lecture: is(9),
-                in_lockstep: is(10),
+                has_open_parameters: is(6),
+                has_enlarged: is(7),
+                holds_pixel: is(8),
+                is_presenting: is(9),
+                lecture: is(10),
+                in_lockstep: is(11),
                 ..Situation::default()
             };
             let expected: Vec<Escape> = Escape::ORDER
@@ -375,6 +381,7 @@ mod tests {
                     Escape::Pointer => now.is_pointing = false,
                     Escape::Present => now.is_presenting = false,
                     Escape::Pixel => now.holds_pixel = false,
+                    Escape::Parameters => now.has_open_parameters = false,
                     Escape::Chart => now.has_enlarged = false,
                     Escape::Lecture => now.lecture = false,
                     Escape::Lockstep => now.in_lockstep = false,

@@ -334,6 +334,7 @@ impl App {
             checking: self.view.checking,
             playing: self.player.is_playing(),
             lecture: self.settings.lecture,
+            has_open_parameters: self.settings.is_narrow && !self.folded().parameters,
             has_charts: !self.folded().charts && !self.charts().is_empty(),
             has_landscape: self.settings.look.landscape || shown.is_some_and(|shown| standing(&shown.step).is_some()),
             has_large_picture: self.arranged.stage.is_some() && self.arranged.panes.has_large(),
@@ -531,12 +532,20 @@ impl App {
             place: shown.and_then(status::nested_place),
             now: self.now(),
             granularities: self.granularities(),
+            has_strip: self.has_strip(),
             folded: self.folded(),
             reduced_motion: self.settings.reduced_motion,
             recent: &self.settings.recent,
             look: self.settings.look,
         };
         topbar::show(ui, &input, actions);
+    }
+
+    /// Whether the line at the top has the parameters that matter most: where they have no place of their own, and neither a lesson nor an
+    /// error is read.
+    fn has_strip(&self) -> bool {
+        let has_error = self.error.is_some() || self.refused().is_some();
+        self.settings.is_narrow && self.folded().parameters && self.lesson.is_none() && !has_error
     }
 
     fn transport(&self, ui: &mut Ui, actions: &mut Actions) {
@@ -609,6 +618,7 @@ impl App {
             charts: &mut self.settings.charts,
             shares: &mut self.settings.shares,
             animate: !calm && !ui.input(|i| i.pointer.any_down()),
+            can_be_closed: self.settings.is_narrow,
             has_no_status: room.mode.is_lecture(),
             flows: !self.settings.reduced_motion,
             gpu,
@@ -664,7 +674,7 @@ impl App {
             Overlay::Open(state) => open_dialog::show(ctx, state, &self.settings.recent, actions),
             Overlay::Save(state) => save_dialog::show(ctx, state, self.granularities(), actions),
             Overlay::Camera(state) => camera::show(ctx, state, (&self.document, &mut self.settings), actions),
-            Overlay::Compare(state) => compare::show(ctx, state, &self.document, theme, actions),
+            Overlay::Compare(state) => compare::show(ctx, state, &self.document, &self.settings.look, actions),
             Overlay::Lessons(state) => lessons::show(ctx, state, theme, actions),
             Overlay::Samples => {
                 let plays = !self.settings.reduced_motion;

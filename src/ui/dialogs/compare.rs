@@ -1,19 +1,24 @@
-//! The comparison of estimators: a table, and a plot of a sweep.
+//! The comparison of estimators: a card for each, a table, and a plot of a sweep.
 
+mod cards;
 mod choice;
 mod course;
+mod notes;
 mod saving;
 mod table;
 
 use std::sync::Arc;
 
 use eframe::egui::style::ScrollStyle;
-use eframe::egui::{self, Align, Button, ComboBox, Label, Layout, Rect, RichText, ScrollArea, TextStyle, Ui, vec2};
+use eframe::egui::{
+    self, Align, Button, ComboBox, Label, Layout, Rect, RichText, ScrollArea, TextStyle, Ui, pos2, vec2,
+};
 use motionscope_core::compare::changed_alike;
-use motionscope_core::{AnyEstimator, Error, Threads, estimator, estimators, lockstep};
+use motionscope_core::{AnyEstimator, Error, Threads, estimators, lockstep};
 
+use self::notes::Notes;
 use super::path::PathField;
-use crate::experiment::comparison::{self, Column, Conditions, Repeats, Row};
+use crate::experiment::comparison::{self, Column, Conditions, Repeats, Row, conclusion};
 use crate::experiment::course_table::{self, CourseRow};
 use crate::experiment::first;
 use crate::experiment::source::Source;
@@ -27,6 +32,7 @@ use crate::ui::model::background::Background;
 use crate::ui::model::comparing::{Comparing, Plan};
 use crate::ui::model::document::Document;
 use crate::ui::parts::widgets;
+use crate::view::look::Look;
 use crate::view::sweep_plot;
 
 /// The largest number of estimators in a comparison.
@@ -37,7 +43,7 @@ const PLOT_LETTERS: f32 = 64.0;
 const LOW_PLOT: f32 = 15.0;
 /// Share of the width for a plot beside the table.
 const PLOT_SHARE: f32 = 0.46;
-/// Between plot and table, in points.
+/// Between cards or plot and table, in points.
 const GAP: f32 = 12.0;
 
 /// The state of the open dialog.
@@ -110,12 +116,13 @@ impl State {
 }
 
 /// Shows the comparison; gives whether it is still open.
-pub fn show(ctx: &egui::Context, state: &mut State, document: &Document, theme: Theme, actions: &mut Actions) -> bool {
+pub fn show(ctx: &egui::Context, state: &mut State, document: &Document, look: &Look, actions: &mut Actions) -> bool {
+    let theme = look.theme;
     let size = TextStyle::Body.resolve(&ctx.global_style()).size;
     let screen = ctx.content_rect();
-    let width = (78.0 * size).min(screen.width() - 110.0);
+    let width = (96.0 * size).min(screen.width() - 110.0);
     let mut visited = false;
-    let modal = widgets::modal(ctx, "compare", vec2(82.0 * size, 60.0 * size)).show(ctx, |ui| {
+    let modal = widgets::modal(ctx, "compare", vec2(100.0 * size, 60.0 * size)).show(ctx, |ui| {
         ui.set_width(width);
         // As high whatever it shows, so that nothing jumps.
         let tall = (screen.height() - 120.0).min(62.0 * size);
@@ -135,26 +142,22 @@ pub fn show(ctx: &egui::Context, state: &mut State, document: &Document, theme: 
         state.is_choosing |= state.chosen.is_empty();
         if state.is_choosing {
             visited |= choice::choice(ui, state, actions);
+            ui.horizontal(|ui| sweep(ui, state, document));
         } else {
-            visited |= summary(ui, state, actions);
+            visited |= controls(ui, state, document, actions);
         }
         ui.add_space(4.0);
-        let rows = state.comparing.as_ref().map_or_else(Vec::new, Comparing::rows);
-        let mut is_entered = false;
-        ui.horizontal_wrapped(|ui| {
-            sweep(ui, state, document);
-            if !rows.is_empty() {
-                ui.add_space(12.0);
-                is_entered = saving::buttons(ui, &rows, state, actions);
-            }
-        });
-        saving::outcome(ui, &rows, state, (document, theme), is_entered);
         progress(ui, state);
-        start(ui, state, document);
+        start(ui, state, document, look);
         // Bars that are always there say that the table goes on.
         ui.spacing_mut().scroll = ScrollStyle { bar_width: 8.0, ..ScrollStyle::solid() };
-        let height = left(ui);
+        let line = ui.spacing().interact_size.y;
+        let height = left(ui) - line - GAP;
         visited |= results(ui, state, (document, theme, height), actions);
+        let footer = Rect::from_min_size(pos2(ui.min_rect().min.x, bottom - line), vec2(width, line));
+        let rows = state.comparing.as_ref().map_or_else(Vec::new, Comparing::rows);
+        let mut footer = widgets::inside(ui, footer, Layout::left_to_right(Align::Center));
+        saving::footer(&mut footer, &rows, state, (document, theme), actions);
     });
     !(modal.should_close() || visited)
 }
@@ -210,19 +213,14 @@ fn subject(ui: &mut Ui, state: &mut State, document: &Document) {
     ui.add_space(4.0);
 }
 
-/// Names the chosen estimators, with a button that offers others and one for lockstep; returns whether that was clicked.
-fn summary(ui: &mut Ui, state: &mut State, actions: &mut Actions) -> bool {
-    let named = |id: &&str| estimator(id).ok().map(|one| one.info().name);
-    let names: Vec<_> = state.chosen.iter().filter_map(named).collect();
+/// Offers other estimators, a sweep and the lockstep; returns whether the last was chosen.
+fn controls(ui: &mut Ui, state: &mut State, document: &Document, actions: &mut Actions) -> bool {
     ui.horizontal(|ui| {
         let tip = "Choose the estimators to compare.";
         state.is_choosing = ui.button("Change…").on_hover_text(tip).clicked();
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let taken = step_by_step(ui, state, actions);
-            ui.with_layout(Layout::left_to_right(Align::Center), |ui| ui.add(Label::new(names.join(", ")).truncate()));
-            taken
-        })
-        .inner
+        ui.add_space(GAP);
+        sweep(ui, state, document);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| step_by_step(ui, state, actions)).inner
     })
     .inner
 }
@@ -262,11 +260,12 @@ fn sweep(ui: &mut Ui, state: &mut State, document: &Document) {
 fn progress(ui: &mut Ui, state: &State) {
     if let Some(comparing) = state.comparing.as_ref().filter(|comparing| comparing.is_busy()) {
         let (done, names) = (comparing.rows().len(), &comparing.names);
-        let now = names.get(done).map_or_else(String::new, |name| format!(": {name}"));
-        ui.horizontal(|ui| {
-            ui.spinner();
-            ui.label(RichText::new(format!("{} of {}{now}", (done + 1).min(names.len()), names.len())).weak());
-        });
+        if let Some(name) = names.get(done) {
+            ui.horizontal(|ui| {
+                ui.spinner();
+                ui.label(RichText::new(format!("{} of {}: {name}", done + 1, names.len())).weak());
+            });
+        }
     }
     let failure = state.comparing.as_ref().and_then(Comparing::failure).or_else(|| state.refused.clone());
     if let Some(error) = failure {
@@ -294,7 +293,7 @@ fn step_by_step(ui: &mut Ui, state: &State, actions: &mut Actions) -> bool {
 }
 
 /// Restarts the comparison after a change of the selection.
-fn start(ui: &Ui, state: &mut State, document: &Document) {
+fn start(ui: &Ui, state: &mut State, document: &Document, look: &Look) {
     let wanted = (state.chosen.clone(), state.sweep.clone());
     if state.begun.as_ref() != Some(&wanted) {
         // The name that nobody has changed fits what there is to save.
@@ -303,16 +302,15 @@ fn start(ui: &Ui, state: &mut State, document: &Document) {
             state.file.text = if wanted.1.is_some() { plot } else { table };
         }
         state.begun = Some(wanted);
-        let ctx = ui.ctx().clone();
-        (state.comparing, state.refused) = match plan(state, document) {
-            Ok(plan) => (plan.map(|plan| Comparing::new(plan, move || ctx.request_repaint())), None),
+        (state.comparing, state.refused) = match plan(state, document, look) {
+            Ok(plan) => (plan.map(|plan| Comparing::new(plan, ui.ctx().clone())), None),
             Err(error) => (None, Some(error)),
         };
     }
 }
 
 /// Returns the chosen estimators with the changed parameters of the open one, where they have the same.
-fn plan(state: &State, document: &Document) -> Result<Option<Plan>, Error> {
+fn plan(state: &State, document: &Document, look: &Look) -> Result<Option<Plan>, Error> {
     let Some(prepared) = document.prepared_alone() else { return Ok(None) };
     let alike =
         chosen(state).into_iter().map(|estimator| changed_alike(document.estimator(), estimator)).collect::<Vec<_>>();
@@ -321,10 +319,10 @@ fn plan(state: &State, document: &Document) -> Result<Option<Plan>, Error> {
         &alike,
         state.sweep.as_ref().map(|sweep| sweep.setting.as_str()),
     )?;
-    Ok(Some(Plan { prepared, rounds }))
+    Ok(Some(Plan { prepared, rounds, look: *look }))
 }
 
-/// Shows plot and table in a height; returns whether a block is to be visited.
+/// Shows cards or plot, the table and the notes to it in a height; returns whether a block is to be visited.
 fn results(ui: &mut Ui, state: &mut State, of: (&Document, Theme, f32), actions: &mut Actions) -> bool {
     let (document, theme, height) = of;
     if state.chosen.is_empty() {
@@ -333,29 +331,40 @@ fn results(ui: &mut Ui, state: &mut State, of: (&Document, Theme, f32), actions:
     }
     let content = content(state, document);
     let sizes = content.sizes(ui);
+    let mut notes = Notes { content: &content, sentences: Vec::new(), has_alike: true };
     let size = TextStyle::Body.resolve(ui.style()).size;
-    let below = if content.alike.is_empty() { 0.0 } else { 3.0 * size };
-    let room = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), height - below));
-    let (of_plot, of_table) = match content.swept() {
-        Some(_) => {
-            let (plot, table) = divided(room, size, sizes.least());
-            (Some(plot), table)
-        }
-        None => (None, room),
-    };
-    if let Some(rect) = of_plot {
-        let plotted = plotted(&content.rows, state);
-        let series = sweep_plot::series(&content.rows, &plotted, state.sweep.as_ref().map_or("", |sweep| sweep.axis));
-        let subject = Subject { step: None, whose: "", theme, colors: ColorMap::default() };
-        let input = series::Input { series: &series, subject, logarithmic: sweep_plot::is_wide(&series) };
-        series::show(&mut widgets::inside(ui, rect, Layout::top_down(Align::LEFT)), input, &mut state.plot);
+    let most = (height - notes.height(ui) - sizes.whole() - 2.0 * GAP).min(cards::LETTERS[1] * size);
+    let cards = cards::height(ui, state.chosen.len(), most);
+    let has_cards = content.swept().is_none() && !state.is_choosing && cards >= cards::LETTERS[0] * size;
+    if !has_cards && content.is_whole {
+        notes.sentences = conclusion::sentences(&content.rows);
+        // Of a low table more rows are seen.
+        notes.has_alike = height - notes.height(ui) >= sizes.least();
     }
-    let mut inner = widgets::inside(ui, of_table, Layout::top_down(Align::LEFT));
-    let visited = table::show(&mut inner, (&content, &sizes), of_table.height(), state, actions);
-    let end = of_plot.map_or(inner.min_rect(), |plot| inner.min_rect().union(plot));
-    ui.advance_cursor_after_rect(end);
-    table::alike(ui, &content);
+    let mut room = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), height - notes.height(ui)));
+    if content.swept().is_some() {
+        let (plot, rest) = divided(room, size, sizes.least());
+        show_plot(ui, plot, state, (&content, theme));
+        room = rest;
+    } else if let Some(comparing) = state.comparing.as_ref().filter(|_| has_cards) {
+        let (above, below) = room.split_top_bottom_at_y(room.min.y + cards);
+        cards::show(&mut widgets::inside(ui, above, Layout::top_down(Align::LEFT)), comparing, cards, theme);
+        room = below.with_min_y(below.min.y + GAP);
+    }
+    let mut table = widgets::inside(ui, room, Layout::top_down(Align::LEFT));
+    let visited = table::show(&mut table, (&content, &sizes, theme), room.height(), state, actions);
+    let below = ui.max_rect().with_min_y((table.min_rect().max.y + GAP / 2.0).min(room.max.y));
+    notes.show(&mut widgets::inside(ui, below, Layout::top_down(Align::LEFT)));
     visited
+}
+
+/// Shows the plot of the sweep in `rect`.
+fn show_plot(ui: &mut Ui, rect: Rect, state: &mut State, (content, theme): (&table::Content, Theme)) {
+    let plotted = plotted(&content.rows, state);
+    let series = sweep_plot::series(&content.rows, &plotted, state.sweep.as_ref().map_or("", |sweep| sweep.axis));
+    let subject = Subject { step: None, whose: "", theme, colors: ColorMap::default() };
+    let input = series::Input { series: &series, subject, logarithmic: sweep_plot::is_wide(&series) };
+    series::show(&mut widgets::inside(ui, rect, Layout::top_down(Align::LEFT)), input, &mut state.plot);
 }
 
 /// Divides `room` between the plot of a sweep and its table, which needs `least` points of height: above each other, or beside each
@@ -374,15 +383,16 @@ fn divided(room: Rect, size: f32, least: f32) -> (Rect, Rect) {
 /// Returns the content of the table. While runs are still to come every column stands in the table.
 fn content(state: &State, document: &Document) -> table::Content {
     let rows = state.comparing.as_ref().map_or_else(Vec::new, Comparing::rows);
+    let is_whole = state.comparing.as_ref().is_some_and(Comparing::has_all_rows);
     let (columns, alike) = if rows.is_empty() {
         let truth = document.prepared_alone().is_some_and(|prepared| prepared.clip.truth().is_some());
         (comparison::columns_before(&chosen(state), truth), Vec::new())
-    } else if state.is_settled() {
+    } else if is_whole {
         comparison::told_apart(&rows)
     } else {
         (comparison::columns_of(&rows), Vec::new())
     };
-    let mut content = table::Content { rows, columns, alike };
+    let mut content = table::Content { rows, columns, alike, is_whole };
     if content.swept().is_some() {
         // What answers which value is best is in sight, where the others are scrolled to.
         let best = comparison::telling(&content.rows);

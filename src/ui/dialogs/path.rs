@@ -142,6 +142,11 @@ impl PathField {
         response.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter))
     }
 
+    /// What Tab has found; empty where that is nothing.
+    pub fn found(&self) -> &str {
+        &self.completion.listed
+    }
+
     /// What Tab has found, in a line below the field.
     pub fn show_found(&self, ui: &mut Ui) {
         if !self.completion.listed.is_empty() {

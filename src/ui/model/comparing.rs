@@ -1,13 +1,16 @@
-//! A comparison on a thread of its own, which delivers rows one by one.
+//! A comparison on a thread of its own, which delivers rows one by one, and then a picture of each result.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use motionscope_core::{Error, Stop, Threads};
+use eframe::egui::{ColorImage, Context, TextureHandle, TextureOptions};
+use motionscope_core::{Clip, Error, Grid, Stop, Threads};
 
 use super::background::Background;
-use crate::experiment::Prepared;
 use crate::experiment::comparison::{Conditions, Repeats, Round, Row};
+use crate::experiment::{Experiment, Prepared};
 use crate::media::{Open, Progress};
+use crate::view::look::Look;
+use crate::view::result;
 
 /// The plan of a comparison.
 pub struct Plan {
@@ -15,38 +18,71 @@ pub struct Plan {
     pub prepared: Prepared,
     /// The clips with the estimators that run on them.
     pub rounds: Vec<Round>,
+    /// How pictures look.
+    pub look: Look,
+}
+
+/// The picture of a result, or why there is none.
+pub type Picture = Result<TextureHandle, Error>;
+
+/// What is there so far.
+#[derive(Default)]
+struct Made {
+    rows: Vec<Arc<Row>>,
+    /// The pictures of the first rows.
+    pictures: Vec<Picture>,
 }
 
 /// A running or finished comparison.
 pub struct Comparing {
-    rows: Arc<Mutex<Vec<Arc<Row>>>>,
+    made: Arc<Mutex<Made>>,
     work: Background<()>,
     /// The estimators of all rows when finished.
     pub names: Vec<&'static str>,
 }
 
 impl Comparing {
-    /// Starts the comparison; `changed` is called from another thread after each row.
-    pub fn new(plan: Plan, changed: impl Fn() + Send + Sync + 'static) -> Self {
+    /// Starts the comparison; `ctx` is drawn anew after each row and picture.
+    pub fn new(plan: Plan, ctx: Context) -> Self {
         let all = plan.rounds.iter().flat_map(|round| &round.compared_estimators);
         let names: Vec<_> = all.map(|compared| compared.estimator.info().name).collect();
         let total = names.len();
-        let rows = Arc::<Mutex<Vec<_>>>::default();
-        let done = Arc::clone(&rows);
+        let made = Arc::<Mutex<Made>>::default();
+        let done = Arc::clone(&made);
+        let changed = {
+            let ctx = ctx.clone();
+            move || ctx.request_repaint()
+        };
         let work = Background::new("compare", changed, move |control| {
             let add = |row| {
-                let mut rows = done.lock().unwrap_or_else(PoisonError::into_inner);
-                rows.push(Arc::new(row));
-                control.report(rows.len() as f32 / total as f32);
+                let mut made = lock(&done);
+                made.rows.push(Arc::new(row));
+                control.report(made.rows.len() as f32 / total as f32);
             };
-            compare(&plan, add, &control.stop)
+            compare(&plan, add, &control.stop)?;
+            let show = |picture: Result<Grid<[u8; 3]>, Error>| {
+                let picture = picture.map(|pixels| ctx.load_texture("result", image(&pixels), TextureOptions::LINEAR));
+                lock(&done).pictures.push(picture);
+                ctx.request_repaint();
+            };
+            pictures(&plan, show, &control.stop)
         });
-        Self { rows, work, names }
+        Self { made, work, names }
     }
 
     /// Returns the rows so far.
     pub fn rows(&self) -> Vec<Arc<Row>> {
-        self.rows.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        lock(&self.made).rows.clone()
+    }
+
+    /// Whether all rows are there.
+    pub fn has_all_rows(&self) -> bool {
+        lock(&self.made).rows.len() == self.names.len()
+    }
+
+    /// Returns the pictures of the first rows, as far as they are made; a sweep has none.
+    pub fn pictures(&self) -> Vec<Picture> {
+        lock(&self.made).pictures.clone()
     }
 
     /// Returns the error that ended it early, if any.
@@ -60,21 +96,52 @@ impl Comparing {
     }
 }
 
+fn lock(made: &Mutex<Made>) -> MutexGuard<'_, Made> {
+    made.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn image(pixels: &Grid<[u8; 3]>) -> ColorImage {
+    let (width, height) = pixels.size();
+    ColorImage::from_rgb([width, height], bytemuck::cast_slice(pixels.cells()))
+}
+
 fn compare(plan: &Plan, add: impl Fn(Row), stop: &Stop) -> Result<(), Error> {
     // Times are told for one thread, as the command line does unless told otherwise.
     let threads = Threads::single();
-    let Prepared { experiment, clip: open, .. } = &plan.prepared;
-    for Round { source, compared_estimators } in &plan.rounds {
-        let clip = match *source == experiment.source {
-            true => open.clone(),
-            false => source.open(&Open::from(experiment.given.clone()))?,
-        };
-        let clip = clip.until(stop.clone());
-        for compared in compared_estimators {
+    for round in &plan.rounds {
+        let clip = clip(plan, round, stop)?;
+        for compared in &round.compared_estimators {
             stop.check()?;
-            let (frame, repeats) = (experiment.frame, Repeats::AsUsual);
+            let (frame, repeats) = (plan.prepared.experiment.frame, Repeats::AsUsual);
             add(Row::of(compared, &Conditions { clip: &clip, frame, threads: &threads, repeats })?);
         }
+    }
+    Ok(())
+}
+
+/// The clip of a round, which is read until `stop`.
+fn clip(plan: &Plan, round: &Round, stop: &Stop) -> Result<Clip, Error> {
+    let Prepared { experiment, clip: open, .. } = &plan.prepared;
+    let clip = match round.source == experiment.source {
+        true => open.clone(),
+        false => round.source.open(&Open::from(experiment.given.clone()))?,
+    };
+    Ok(clip.until(stop.clone()))
+}
+
+/// Makes the pictures of a comparison without a sweep.
+fn pictures(plan: &Plan, show: impl Fn(Result<Grid<[u8; 3]>, Error>), stop: &Stop) -> Result<(), Error> {
+    let [round] = &plan.rounds[..] else { return Ok(()) };
+    let clip = clip(plan, round, stop)?;
+    for compared in round.compared_estimators.iter().filter(|compared| compared.swept.is_none()) {
+        stop.check()?;
+        let (estimator, given) = (compared.estimator.boxed_clone(), plan.prepared.experiment.given.clone());
+        let alone = Experiment {
+            given,
+            frame: plan.prepared.experiment.frame,
+            ..Experiment::new(round.source.clone(), estimator)
+        };
+        show(result::picture(&alone, &clip, &plan.look));
     }
     Ok(())
 }

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use motionscope_core::Cursor;
 use motionscope_core::scene::{Answer, Asked, Focus, Question, Shown, asked};
 
-pub use answers::{ARROWS, DIRECTIONS, Guesses, Verdict};
+pub use answers::{ARROWS, DIRECTIONS, Guesses, SAME_PLACE, Verdict};
 pub use score::Score;
 
 use super::snapshot::Snapshot;

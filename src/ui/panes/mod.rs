@@ -165,6 +165,8 @@ pub struct Panes<'a> {
     pub animate: bool,
     /// Whether particles may.
     pub flows: bool,
+    /// Whether the parameters take the room of other panes.
+    pub can_be_closed: bool,
     /// Whether there is no line at the bottom, so that work is told of on the stage.
     pub has_no_status: bool,
     /// The window's graphics card, if it has one.
@@ -273,7 +275,7 @@ impl Panes<'_> {
         self.within(ui, rect, margin, "parameters", |panes, ui| {
             let (document, theme) = (panes.document, panes.look.theme);
             let placing = panes.states.stage.placing;
-            let input = parameters::Input { document, placing, theme };
+            let input = parameters::Input { document, placing, can_be_closed: panes.can_be_closed, theme };
             parameters::show(ui, input, &mut panes.states.parameters, panes.actions);
         });
     }

@@ -24,13 +24,15 @@ use crate::ui::panes::glossary;
 use crate::ui::parts::slider::Slider;
 use crate::ui::parts::widgets;
 
-/// What the pane shows.
+/// What the pane or the strip shows.
 #[derive(Clone, Copy)]
 pub struct Input<'a> {
     /// What is open and how it is set.
     pub document: &'a Document,
     /// The parameter of the estimator that is being placed on the picture, if one is.
     pub placing: Option<usize>,
+    /// Whether it takes the room of other panes, which come back when it is closed.
+    pub can_be_closed: bool,
     /// The look.
     pub theme: Theme,
 }
@@ -52,6 +54,17 @@ impl State {
 /// Draws the whole pane.
 pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State, actions: &mut Actions) {
     let document = input.document;
+    if input.can_be_closed {
+        ui.horizontal(|ui| {
+            ui.label(RichText::new("Parameters").family(style::bold()));
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let tip = Command::ShowParameters.with_key("Close the parameters; Esc does the same.");
+                if widgets::cross(ui, "Close parameters").on_hover_text(tip).clicked() {
+                    actions.command(Command::ShowParameters);
+                }
+            });
+        });
+    }
     ScrollArea::vertical().id_salt("parameters").auto_shrink(false).show(ui, |ui| {
         ui.set_width(ui.available_width());
         clip_card::show(ui, document, actions);
@@ -69,6 +82,22 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State, actions: &mut Acti
         }
         ui.add_space(16.0);
     });
+}
+
+/// Most parameters in the strip.
+const MOST_IN_STRIP: usize = 3;
+
+/// Draws the parameters that matter most in a line, as many as it has room for: the first ones that are not advanced and have an effect.
+pub fn strip(ui: &mut Ui, input: Input<'_>, actions: &mut Actions) {
+    ui.spacing_mut().item_spacing.x = 4.0;
+    let all = declared(Owner::Estimator, input).into_iter();
+    let offered = all.filter(|row| !row.spec.advanced && row.idle.is_none() && row.fits_strip());
+    for row in offered.take(MOST_IN_STRIP) {
+        if row.strip_width(ui) > ui.available_width() {
+            return;
+        }
+        Row { is_in_strip: true, ..row }.show(ui, actions);
+    }
 }
 
 /// A heading, with a button that resets the group when anything in it was changed.
@@ -238,8 +267,18 @@ fn of_family(ui: &mut Ui, family: &[&'static Info], choosing: Choosing<'_>, acti
 
 /// The parameters of the estimator or of a synthetic clip.
 fn group(ui: &mut Ui, owner: Owner, input: Input<'_>, state: &mut State, actions: &mut Actions) {
-    let Input { document, theme, placing } = input;
-    let Some(params) = document.params(owner) else { return };
+    let section = match owner {
+        Owner::Estimator => "of the estimator".to_owned(),
+        Owner::Beside(index) => format!("of the estimator beside it, {index}"),
+        Owner::Difficulty => "of the clip".to_owned(),
+    };
+    rows(ui, &section, declared(owner, input), state, actions);
+}
+
+/// The parameters of the estimator or of a synthetic clip, as they are declared.
+fn declared(owner: Owner, input: Input<'_>) -> Vec<Row<'_>> {
+    let Input { document, theme, placing, .. } = input;
+    let Some(params) = document.params(owner) else { return Vec::new() };
     let all = params.specs().iter().enumerate().map(|(index, spec)| {
         let (value, default) = (params.value(index), document.default_of(owner, index));
         let is_placing = owner == Owner::Estimator && placing == Some(index);
@@ -254,14 +293,10 @@ fn group(ui: &mut Ui, owner: Owner, input: Input<'_>, state: &mut State, actions
             open: None,
             theme,
             is_placing,
+            is_in_strip: false,
         }
     });
-    let section = match owner {
-        Owner::Estimator => "of the estimator".to_owned(),
-        Owner::Beside(index) => format!("of the estimator beside it, {index}"),
-        Owner::Difficulty => "of the clip".to_owned(),
-    };
-    rows(ui, &section, all.collect(), state, actions);
+    all.collect()
 }
 
 /// Rows below each other, those that are advanced in a fold at the end.
@@ -336,7 +371,19 @@ fn of_stage(ui: &mut Ui, parent: &Row<'_>, stage: &StageValue, state: &mut State
             };
             let (value, default) = (part.value(inner), Some(usual));
             let idle = parent.idle.or_else(|| part.idle(inner));
-            Row { owner, index, within: Some(within), spec, value, default, idle, open: None, theme, is_placing }
+            Row {
+                owner,
+                index,
+                within: Some(within),
+                spec,
+                value,
+                default,
+                idle,
+                open: None,
+                theme,
+                is_placing,
+                is_in_strip: false,
+            }
         });
         rows(ui, "of a part", all.collect(), state, actions);
     });
@@ -389,6 +436,8 @@ struct Row<'a> {
     open: Option<&'static str>,
     theme: Theme,
     is_placing: bool,
+    /// Whether it stands in the strip, with a small label and without a slider.
+    is_in_strip: bool,
 }
 
 impl Row<'_> {
@@ -404,6 +453,50 @@ impl Row<'_> {
                 Some(_) => drop(ui.indent(("inner", &self.spec.name), |ui| of_stage(ui, self, stage, state, actions))),
             }
         }
+    }
+
+    /// Whether it is set by one small widget.
+    fn fits_strip(&self) -> bool {
+        matches!(self.value, Value::Int(_) | Value::Real(_) | Value::Switch(_) | Value::Choice(_))
+            && !matches!(self.spec.kind, Kind::Optional { .. })
+    }
+
+    /// Width in the strip, in points.
+    fn strip_width(&self, ui: &Ui) -> f32 {
+        let (label, spacing) = (self.strip_label(ui), ui.spacing());
+        let widget = match self.value {
+            Value::Switch(_) => 1.2 * spacing.interact_size.y,
+            Value::Choice(_) => self.strip_list(ui),
+            _ => self.strip_field(ui),
+        };
+        STRIP_GAP + label + widget + 3.0 * spacing.item_spacing.x
+    }
+
+    fn strip_label(&self, ui: &Ui) -> f32 {
+        let font = TextStyle::Small.resolve(ui.style());
+        ui.painter().layout_no_wrap(self.spec.label.clone(), font, Color32::PLACEHOLDER).size().x
+    }
+
+    /// Width of the field of a number: as wide as its ends.
+    fn strip_field(&self, ui: &Ui) -> f32 {
+        let ends = match self.spec.kind {
+            Kind::Int { min, max } => [min.to_string(), max.to_string()],
+            Kind::Real { min, max } => [min, max].map(|end| format!("{end:.*}", decimals(max - min))),
+            _ => Default::default(),
+        };
+        let now = self.value.to_string();
+        let widest = ends.iter().chain([&now]).map(|text| text_width(ui, text)).fold(0.0, f32::max);
+        widest + text_width(ui, &self.unit()) + 2.0 * ui.spacing().button_padding.x
+    }
+
+    /// Width of a list: as wide as the chosen entry.
+    fn strip_list(&self, ui: &Ui) -> f32 {
+        text_width(ui, &self.shown(&self.value)) + ui.spacing().icon_width + 3.0 * ui.spacing().button_padding.x
+    }
+
+    /// The unit behind a number, with a space before it.
+    fn unit(&self) -> String {
+        if self.spec.unit.is_empty() { String::new() } else { format!(" {}", self.spec.unit) }
     }
 
     /// Whether it is not as it was at first.
@@ -549,6 +642,12 @@ impl Row<'_> {
         actions: &mut Actions,
         add: impl FnOnce(&mut Ui, &Response) -> R,
     ) -> R {
+        if self.is_in_strip {
+            ui.add_space(STRIP_GAP);
+            let label = egui::Label::new(dim(ui, &self.spec.label).small()).sense(Sense::hover());
+            let label = self.explained(ui.add(label));
+            return add(ui, &label);
+        }
         let height = ui.spacing().interact_size.y;
         let changed = self.is_changed();
         let opener = self.open.map_or(0.0, |word| text_width(ui, word) + 2.0 * ui.spacing().button_padding.x + 8.0);
@@ -588,8 +687,7 @@ impl Row<'_> {
         let Some(default) = &self.default else { return };
         let name = format!("Reset {}", self.spec.label.to_lowercase());
         let button = widgets::icon_button(ui, Icon::RotateCcw, &name, false);
-        let unit = if self.spec.unit.is_empty() { String::new() } else { format!(" {}", self.spec.unit) };
-        if button.on_hover_text(format!("Back to {}{unit}.", self.shown(default))).clicked() {
+        if button.on_hover_text(format!("Back to {}{}.", self.shown(default), self.unit())).clicked() {
             actions.ask(Action::Settle);
             self.ask(default.clone(), actions);
             actions.ask(Action::Settle);
@@ -615,16 +713,19 @@ impl Row<'_> {
         let size = TextStyle::Body.resolve(ui.style()).size;
         let whole = matches!(self.value, Value::Int(_));
         let decimals = if whole { 0 } else { decimals(max - min) };
-        let unit = if self.spec.unit.is_empty() { String::new() } else { format!(" {}", self.spec.unit) };
-        let width = text_width(ui, self.spec.unit) + 4.2 * size;
+        let usual = text_width(ui, self.spec.unit) + 4.2 * size;
+        let width = if self.is_in_strip { self.strip_field(ui) } else { usual };
         let typed = self.line(ui, width, actions, |ui, label| {
             // What was typed stands there as exactly as it was typed, however coarse the slider is.
             let most = if whole { 0 } else { TYPED_DECIMALS };
-            let mut field = DragValue::new(&mut wanted).range(min..=max).suffix(unit).max_decimals(most);
+            let mut field = DragValue::new(&mut wanted).range(min..=max).suffix(self.unit()).max_decimals(most);
             field = field.speed((max - min) / 200.0);
             let response = ui.add_sized(vec2(width, ui.spacing().interact_size.y), field);
             self.explained(response.labelled_by(label.id))
         });
+        if self.is_in_strip {
+            return (wanted, is_over(&typed));
+        }
         let default = self.default.as_ref().and_then(|default| match *default {
             Value::Int(value) => Some(value as f64),
             Value::Real(value) => Some(value),
@@ -634,7 +735,7 @@ impl Row<'_> {
         let slider = Slider { name: &self.spec.label, range: (min, max), step, default, theme: self.theme };
         let slid = slider.show(ui, &mut wanted);
         let slid = self.explained(slid);
-        (wanted, [&typed, &slid].iter().any(|r| r.drag_stopped() || r.clicked() || r.lost_focus()))
+        (wanted, [&typed, &slid].into_iter().any(is_over))
     }
 
     fn switch(&self, ui: &mut Ui, on: bool, actions: &mut Actions) -> bool {
@@ -670,10 +771,11 @@ impl Row<'_> {
         let size = TextStyle::Body.resolve(ui.style()).size;
         let padding = 2.0 * ui.spacing().button_padding.x + 4.0;
         let needed: f32 = choices.iter().map(|choice| text_width(ui, choice.label) + padding).sum();
-        let fits = needed + text_width(ui, &self.spec.label) + 16.0 < ui.available_width();
+        let fits = !self.is_in_strip && needed + text_width(ui, &self.spec.label) + 16.0 < ui.available_width();
         let shown = choices.iter().find(|choice| choice.name == now).map_or(now, |choice| choice.label);
         let chosen = text_width(ui, shown) + ui.spacing().interact_size.y + 8.0;
-        let list = chosen.max(9.5 * size).min(ui.available_width() - ui.spacing().interact_size.y - 8.0);
+        let usual = chosen.max(9.5 * size).min(ui.available_width() - ui.spacing().interact_size.y - 8.0);
+        let list = if self.is_in_strip { self.strip_list(ui) } else { usual };
         self.line(ui, if fits { needed } else { list }, actions, |ui, label| {
             if fits {
                 ui.spacing_mut().item_spacing.x = 2.0;
@@ -708,6 +810,11 @@ impl Row<'_> {
     }
 }
 
+/// Whether a gesture on a number is over.
+fn is_over(response: &Response) -> bool {
+    response.drag_stopped() || response.clicked() || response.lost_focus()
+}
+
 /// A value to begin with where one was left open: of numbers one in the lower part of their range.
 fn first_value(kind: &Kind) -> Option<Value> {
     Some(match kind {
@@ -720,6 +827,8 @@ fn first_value(kind: &Kind) -> Option<Value> {
     })
 }
 
+/// Space before a parameter in the strip, in points.
+const STRIP_GAP: f32 = 10.0;
 /// Decimals of a real number that may be typed.
 const TYPED_DECIMALS: usize = 6;
 

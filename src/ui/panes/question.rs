@@ -8,9 +8,12 @@ use crate::paint::Theme;
 use crate::ui::app::action::{Action, Actions};
 use crate::ui::app::commands::Command;
 use crate::ui::drawing::style;
-use crate::ui::model::predict::{ARROWS, DIRECTIONS, Open, Predict, asks_for_number, asks_for_place};
+use crate::ui::model::predict::{ARROWS, DIRECTIONS, Open, Predict, SAME_PLACE, asks_for_number, asks_for_place};
 use crate::ui::panes::status;
 use crate::ui::parts::widgets;
+
+/// Largest width of a direction's button, in sizes of the type.
+const PAD_LETTERS: f32 = 8.0;
 
 /// What was typed for a number.
 #[derive(Clone, Debug, Default)]
@@ -50,6 +53,10 @@ pub fn show(ui: &mut Ui, input: &Input<'_>, state: &mut State, actions: &mut Act
             (Some(open), _) => {
                 let is_new = state.is_for(open);
                 ui.horizontal_wrapped(|ui| ways(ui, open, (theme, state, is_new), actions));
+                if asks_for_place(open.question) {
+                    let left = top + room - ui.cursor().min.y;
+                    directions(ui, open, left, (theme, actions));
+                }
             }
             (None, Some(answered)) => outcome(ui, answered, theme),
             (None, None) => {
@@ -122,13 +129,11 @@ fn ways(ui: &mut Ui, open: &Open, (theme, state, is_new): (Theme, &mut State, bo
     if asks_for_place(open.question) {
         let clicked = match open.guesses.places.len() {
             0 if open.guesses.hands.is_empty() => "Click the place on the picture.".to_owned(),
-            0 => "Click the place. Its direction:".to_owned(),
+            0 => "Click the place, or vote for its direction:".to_owned(),
             1 => "1 guess.".to_owned(),
             guesses => format!("{guesses} guesses."),
         };
         ui.label(clicked);
-        let directions: Vec<_> = ARROWS.into_iter().zip(DIRECTIONS).collect();
-        hands(ui, &directions, open, (theme, actions));
     } else if asks_for_number(open.question) {
         number(ui, open, (state, is_new), actions);
     } else {
@@ -137,24 +142,59 @@ fn ways(ui: &mut Ui, open: &Open, (theme, state, is_new): (Theme, &mut State, bo
     }
 }
 
+/// The directions as they lie on a number pad where that and the way to the result have room in `height`, or else in a row.
+fn directions(ui: &mut Ui, open: &Open, height: f32, (theme, actions): (Theme, &mut Actions)) {
+    let all: Vec<_> = ARROWS.into_iter().zip(DIRECTIONS).collect();
+    let (line, gap) = (ui.spacing().interact_size.y, ui.spacing().item_spacing);
+    if open.guesses.hands.is_empty() {
+        return;
+    }
+    if height < 4.0 * (line + gap.y) {
+        ui.horizontal_wrapped(|ui| hands(ui, &all, open, (theme, actions)));
+        return;
+    }
+    let size = TextStyle::Body.resolve(ui.style()).size;
+    let width = ((ui.available_width() - 2.0 * gap.x) / 3.0).min(PAD_LETTERS * size).floor();
+    for row in (0..3).rev() {
+        ui.horizontal(|ui| {
+            for index in 3 * row..3 * row + 3 {
+                // The middle has no arrow.
+                let (arrow, name) = all[index];
+                let text = if index == SAME_PLACE { name } else { arrow };
+                hand(ui, (index, text, name), open.guesses.hands[index], (theme, Some(width), actions));
+            }
+        });
+    }
+}
+
 /// A button for each answer, by its text and its name, with its key and the hands for it.
 fn hands(ui: &mut Ui, answers: &[(&str, &str)], open: &Open, (theme, actions): (Theme, &mut Actions)) {
-    let chrome = theme.chrome();
-    let line = egui::Stroke::new(1.0, style::color(chrome.line));
     for (index, ((text, answer), hands)) in answers.iter().zip(&open.guesses.hands).enumerate() {
-        let key = index + 1;
-        let counted = if *hands > 0 { format!("{key}  {text} · {hands}") } else { format!("{key}  {text}") };
-        let response = ui.add(Button::new(counted).fill(style::color(chrome.background)).stroke(line));
-        response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, format!("{answer}: {hands}")));
-        let tip = format!(
-            "{answer}: count a hand for this answer. Key {key}; with Shift, or by a right click, take one away."
-        );
-        let response = response.on_hover_text(tip);
-        if response.clicked() {
-            actions.ask(Action::Vote(index, true));
-        } else if response.secondary_clicked() {
-            actions.ask(Action::Vote(index, false));
-        }
+        hand(ui, (index, text, answer), *hands, (theme, None, actions));
+    }
+}
+
+/// The button of an answer, with its key and the hands for it; of a `width` if one is given.
+fn hand(
+    ui: &mut Ui,
+    (index, text, answer): (usize, &str, &str),
+    hands: usize,
+    (theme, width, actions): (Theme, Option<f32>, &mut Actions),
+) {
+    let (key, chrome) = (index + 1, theme.chrome());
+    let counted = if hands > 0 { format!("{key}  {text} · {hands}") } else { format!("{key}  {text}") };
+    let line = egui::Stroke::new(1.0, style::color(chrome.line));
+    let button = Button::new(counted).fill(style::color(chrome.background)).stroke(line);
+    let size = vec2(width.unwrap_or(0.0), ui.spacing().interact_size.y);
+    let response = ui.add(button.min_size(size));
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, format!("{answer}: {hands}")));
+    let tip =
+        format!("{answer}: count a hand for this answer. Key {key}; with Shift, or by a right click, take one away.");
+    let response = response.on_hover_text(tip);
+    if response.clicked() {
+        actions.ask(Action::Vote(index, true));
+    } else if response.secondary_clicked() {
+        actions.ask(Action::Vote(index, false));
     }
 }
 

@@ -128,10 +128,12 @@ pub fn nested_place(shown: &Snapshot) -> Option<String> {
     Some(without_frames(parts)).filter(|parts| is_nested && !parts.is_empty())
 }
 
-/// The parts of the run that a step belongs to, in short: `level 1, block 15`; none where these are frames, which are named by their
-/// number in the clip.
+/// The parts of the run that a step belongs to, in short: `level 1, block 15`, or `pass 1, frame 9`, with the number of the frame in the
+/// clip.
 pub fn unit(shown: &Snapshot) -> Option<String> {
-    let parts = without_frames(place(shown, false));
+    let parts = place(shown, false).into_iter();
+    let named = parts.map(|(name, words)| if name == FRAME { counted(FRAME, shown.frame, None) } else { words });
+    let parts = named.collect::<Vec<_>>().join(", ");
     (!parts.is_empty()).then_some(parts)
 }
 

@@ -27,6 +27,8 @@ pub struct Input<'a> {
     pub now: Situation,
     /// The names of the ladder.
     pub granularities: Granularities,
+    /// Whether the parameters that matter most stand in the bar.
+    pub has_strip: bool,
     /// What is folded away.
     pub folded: Folded,
     /// Whether things change at once.
@@ -145,6 +147,11 @@ fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     estimator.response.on_hover_text(info.summary);
     if let Some(place) = input.place.as_ref().filter(|place| width(ui, place) + padding < ui.available_width()) {
         ui.label(RichText::new(place).color(dim));
+    }
+    if input.has_strip {
+        let (document, theme) = (input.document, input.look.theme);
+        let of = parameters::Input { document, placing: None, can_be_closed: false, theme };
+        parameters::strip(ui, of, actions);
     }
 }
 

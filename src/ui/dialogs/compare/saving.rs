@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use eframe::egui::{RichText, TextStyle, Ui};
+use eframe::egui::{Label, RichText, TextStyle, Ui};
 use motionscope_core::Error;
 use motionscope_core::scene::Series;
 
@@ -24,8 +24,22 @@ const SCALE: u32 = 2;
 /// Width of the field for the path, in sizes of its type.
 const FIELD_LETTERS: f32 = 15.0;
 
-/// Shows the buttons that copy the table, or save the plot or the table in a file; returns whether to save.
-pub fn buttons(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, actions: &mut Actions) -> bool {
+/// Shows the ways to copy the table, or to save the plot or the table in a file, and what became of them.
+pub fn footer(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, of: (&Document, Theme), actions: &mut Actions) {
+    if rows.is_empty() {
+        return;
+    }
+    let is_entered = buttons(ui, rows, state, actions);
+    if is_entered {
+        let ctx = ui.ctx().clone();
+        let saved = encoded(rows, state, of);
+        state.saved = Some(Background::new("save", move || ctx.request_repaint(), move |_| saved?.save()));
+    }
+    outcome(ui, state);
+}
+
+/// Shows the buttons; returns whether to save.
+fn buttons(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, actions: &mut Actions) -> bool {
     let is_swept = rows.iter().any(|row| row.swept.is_some());
     let size = TextStyle::Body.resolve(ui.style()).size;
     if ui.button("Copy as CSV").on_hover_text("Copy all rows so far as CSV, for a spreadsheet.").clicked() {
@@ -43,23 +57,18 @@ pub fn buttons(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, actions: &mut 
     is_entered
 }
 
-/// Begins to save where `is_entered`, and says what became of it.
-pub fn outcome(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, of: (&Document, Theme), is_entered: bool) {
-    state.file.show_found(ui);
-    if is_entered {
-        let ctx = ui.ctx().clone();
-        let saved = encoded(rows, state, of);
-        state.saved = Some(Background::new("save", move || ctx.request_repaint(), move |_| saved?.save()));
+/// Says in the rest of the line what was saved, or why not, and which names complete the path.
+fn outcome(ui: &mut Ui, state: &State) {
+    let line = |ui: &mut Ui, text: RichText| drop(ui.add(Label::new(text).truncate()));
+    if !state.file.found().is_empty() {
+        return line(ui, RichText::new(state.file.found()).small().weak());
     }
-    if let Some(saved) = &state.saved {
-        saved.look(|outcome| match outcome {
-            Some(Ok(message)) => drop(ui.label(message.as_str())),
-            Some(Err(why)) => {
-                drop(ui.label(RichText::new(why.to_string()).color(ui.visuals().error_fg_color)));
-            }
-            None => {}
-        });
-    }
+    let Some(saved) = &state.saved else { return };
+    saved.look(|outcome| match outcome {
+        Some(Ok(message)) => line(ui, RichText::new(message)),
+        Some(Err(why)) => line(ui, RichText::new(why.to_string()).color(ui.visuals().error_fg_color)),
+        None => {}
+    });
 }
 
 /// A plot or a table on its way to a file.

@@ -14,7 +14,7 @@ pub const DIRECTIONS: [&str; 9] =
 /// The signs of [`DIRECTIONS`], for buttons.
 pub const ARROWS: [&str; 9] = ["↙", "↓", "↘", "←", "•", "→", "↖", "↑", "↗"];
 /// The index in [`DIRECTIONS`] of no direction.
-const SAME_PLACE: usize = 4;
+pub const SAME_PLACE: usize = 4;
 /// Directions within this angle in degrees of the true one are right, so between two both are.
 const ALIKE_DEG: f32 = 30.0;
 /// Distance in px along each axis up to which two places count as the same.

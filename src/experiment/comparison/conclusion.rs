@@ -1,0 +1,199 @@
+//! A comparison in sentences: what each method costs and how good it is beside the reference, by the numbers of the table.
+
+use std::borrow::Borrow;
+
+use motionscope_core::{capital, fixed, grouped};
+
+use super::better::Better;
+use super::{Column, From, Row, all_columns};
+use crate::experiment::first;
+
+/// Ratios from here on are whole numbers.
+const WHOLE_RATIO: f64 = 9.95;
+/// Two times with a smaller ratio differ by no more than from one run to the next.
+const SAME_TIME: f64 = 1.15;
+/// Units at the end of a heading, and how a difference in them is said.
+const UNITS: [(&str, &str); 7] =
+    [("px", " px"), ("dB", " dB"), ("m", " m"), ("°", "°"), ("kB", " kB"), ("ms", " ms"), ("%", " percentage points")];
+
+/// Returns the row that the others are compared with: the exhaustive search, or else the first.
+pub fn reference<R: Borrow<Row>>(rows: &[R]) -> usize {
+    rows.iter().position(|row| row.borrow().id() == first::EXHAUSTIVE).unwrap_or(0)
+}
+
+/// Returns what `row` costs and how good it is beside `reference`: `46 × fewer candidates, EPE 0.14 px worse`.
+pub fn against(row: &Row, reference: &Row) -> String {
+    let parts: Vec<_> = [cost(row, reference), quality(row, reference)].into_iter().flatten().collect();
+    if parts.is_empty() { "no number in common".to_owned() } else { parts.join(", ") }
+}
+
+/// Returns the comparison in sentences: one for each row but the reference, or what is best in a sweep.
+pub fn sentences<R: Borrow<Row>>(rows: &[R]) -> Vec<String> {
+    if rows.iter().any(|row| row.borrow().swept.is_some()) {
+        return vec![best_run(rows)];
+    }
+    let Some(of) = rows.get(reference(rows)).map(Borrow::borrow) else { return Vec::new() };
+    let others = rows.iter().map(Borrow::borrow).filter(|row: &&Row| !std::ptr::eq(*row, of));
+    let name = |row: &Row| row.estimator.info().name;
+    others.map(|row| format!("{} compared with {}: {}.", name(row), name(of), against(row, of))).collect()
+}
+
+/// The cost: candidates where both have tested some, or else the time.
+fn cost(row: &Row, reference: &Row) -> Option<String> {
+    let both = |name: &str| {
+        let column = all_columns().into_iter().find(|column| column.name == name)?;
+        Some((column.shown(row)?, column.shown(reference)?)).filter(|(own, other)| own.min(*other) > 0.0)
+    };
+    if let Some((own, other)) = both("candidates_mean") {
+        return Some(match ratio(own, other) {
+            _ if own == other => "as many candidates".to_owned(),
+            None => "about as many candidates".to_owned(),
+            Some(ratio) if own < other => format!("{ratio} × fewer candidates"),
+            Some(ratio) => format!("{ratio} × as many candidates"),
+        });
+    }
+    let (own, other) = both("ms")?;
+    Some(match ratio(own, other) {
+        Some(ratio) if own.max(other) >= SAME_TIME * own.min(other) => {
+            format!("{ratio} × {}", if own < other { "faster" } else { "slower" })
+        }
+        _ => "about as fast".to_owned(),
+    })
+}
+
+/// The ratio of the larger number to the smaller one as shown; `None` if it is shown as 1.
+fn ratio(a: f64, b: f64) -> Option<String> {
+    let ratio = a.max(b) / a.min(b);
+    let text = if ratio < WHOLE_RATIO { fixed(ratio, 1) } else { grouped(ratio.round() as usize) };
+    Some(text).filter(|text| text != "1.0")
+}
+
+/// The quality, by the first column that both have: against ground truth, if possible.
+fn quality(row: &Row, reference: &Row) -> Option<String> {
+    let (column, better, own, other) = measured().find_map(|(column, better)| {
+        let (own, other) = (column.shown(row)?, column.shown(reference)?);
+        Some((column, better, own, other))
+    })?;
+    let (name, unit) = name_and_unit(column.heading);
+    let difference = fixed((own - other).abs(), column.digits);
+    let is_better = (own < other) == (better == Better::Smaller);
+    let said = match own == other {
+        true => format!("the same {name}"),
+        false => format!("{name} {difference}{unit} {}", if is_better { "better" } else { "worse" }),
+    };
+    Some(said + &elsewhere(&column, row, reference))
+}
+
+/// The columns of measures in which a number can be better, those against ground truth first.
+fn measured() -> impl Iterator<Item = (Column, Better)> {
+    let mut columns = all_columns();
+    columns.sort_by_key(|column| !column.is_against_truth());
+    let is_measure = |column: &Column| matches!(column.from, From::Assessment(..));
+    columns.into_iter().filter(is_measure).filter_map(|column| Some((column, column.better()?)))
+}
+
+/// That the errors are those of other pixels, where they are.
+fn elsewhere(column: &Column, row: &Row, reference: &Row) -> String {
+    let pixels = all_columns().into_iter().find(|column| column.name == "known");
+    let Some(pixels) = pixels.filter(|_| column.name == "epe_px") else { return String::new() };
+    match (pixels.value(row), pixels.value(reference)) {
+        (Some(own), Some(other)) if own != other => {
+            format!(" at {} instead of {} pixels", pixels.text(row), pixels.text(reference))
+        }
+        _ => String::new(),
+    }
+}
+
+/// Divides a heading into the name of the quantity and its unit.
+fn name_and_unit(heading: &str) -> (&str, &'static str) {
+    let found = heading.rsplit_once(' ').and_then(|(name, last)| {
+        let (_, unit) = UNITS.iter().find(|(unit, _)| *unit == last)?;
+        Some((name, *unit))
+    });
+    found.unwrap_or((heading, ""))
+}
+
+/// The best run of a sweep.
+fn best_run<R: Borrow<Row>>(rows: &[R]) -> String {
+    let is_known = |column: &Column| rows.iter().any(|row| column.shown(row.borrow()).is_some());
+    let Some((column, _)) = measured().find(|(column, _)| is_known(column)) else {
+        return "No score or error tells these runs apart.".to_owned();
+    };
+    let best = column.best(rows);
+    let mut winners = rows.iter().map(Borrow::borrow).zip(&best).filter(|(_, is_best)| **is_best).map(|(row, _)| row);
+    let Some(first) = winners.next() else {
+        return format!("{}: no difference between these runs.", capital(column.heading));
+    };
+    let at = first.swept.as_ref().map_or_else(String::new, |(name, value)| format!(" with {name} {value}"));
+    let others = match winners.count() {
+        0 => String::new(),
+        1 => ", and 1 other run".to_owned(),
+        count => format!(", and {count} other runs"),
+    };
+    format!("Best {}: {}, {}{at}{others}.", column.heading, column.text(first), first.estimator.info().name)
+}
+
+#[cfg(test)]
+mod tests {
+    use motionscope_core::products::{EPE, PSNR};
+
+    use super::*;
+    use crate::experiment::comparison::tests::row;
+
+    #[test]
+    fn a_sentence_is_true_of_the_numbers_shown() {
+        let full = row("full-search", 969.24, &[(&EPE, 0.6349)]);
+        let diamond = row("diamond", 20.94, &[(&EPE, 0.7749)]);
+        assert_eq!(against(&diamond, &full), "46 × fewer candidates, EPE 0.140 px worse");
+        assert_eq!(against(&full, &diamond), "46 × as many candidates, EPE 0.140 px better");
+        assert_eq!(
+            sentences(&[&diamond, &full]),
+            ["Diamond search compared with Full search: 46 × fewer candidates, EPE 0.140 px worse."]
+        );
+        let alike = row("diamond", 969.21, &[(&EPE, 0.6351)]);
+        assert_eq!(against(&alike, &full), "as many candidates, the same EPE");
+        assert_eq!(against(&row("diamond", 950.0, &[]), &full), "about as many candidates");
+        assert_eq!(against(&row("diamond", 400.0, &[]), &full), "2.4 × fewer candidates");
+    }
+
+    #[test]
+    fn where_no_candidates_are_counted_the_time_is_compared() {
+        let timed = |id, ms: u64| Row { time: std::time::Duration::from_millis(ms), ..row(id, f64::NAN, &[]) };
+        let against = |own, other| against(&timed("lucas-kanade", own), &timed("horn-schunck", other));
+        assert_eq!(against(10, 30), "3.0 × faster");
+        assert_eq!(against(200, 10), "20 × slower");
+        assert_eq!(against(105, 100), "about as fast", "the next run may differ as much");
+    }
+
+    #[test]
+    fn the_reference_is_the_exhaustive_search_or_the_first() {
+        let [full, diamond, hexagon] = ["full-search", "diamond", "hexagon"].map(|id| row(id, 5.0, &[]));
+        assert_eq!(reference(&[&diamond, &full]), 1);
+        assert_eq!(reference(&[&hexagon, &diamond]), 0);
+        assert!(sentences(&[&full]).is_empty(), "one alone is compared with nothing");
+        assert!(sentences::<&Row>(&[]).is_empty());
+    }
+
+    #[test]
+    fn the_truth_decides_before_other_measures_and_a_share_differs_by_points() {
+        let [a, b] = [30.0, 31.5].map(|psnr| row("diamond", 5.0, &[(&PSNR, psnr), (&EPE, 1.0)]));
+        assert_eq!(quality(&a, &b).as_deref(), Some("the same EPE"));
+        let [a, b] = [30.0, 31.5].map(|psnr| row("diamond", 5.0, &[(&PSNR, psnr)]));
+        assert_eq!(quality(&a, &b).as_deref(), Some("PSNR 1.50 dB worse"));
+        assert_eq!(name_and_unit("bad 3 %"), ("bad 3", " percentage points"));
+        assert_eq!(name_and_unit("mask F₁"), ("mask F₁", ""));
+    }
+
+    #[test]
+    fn a_sweep_has_a_best_run_or_none() {
+        let swept = |value: &str, epe| Row {
+            swept: Some(("block".into(), value.into())),
+            ..row("diamond", 5.0, &[(&EPE, epe)])
+        };
+        let runs = [swept("8", 0.5), swept("16", 0.3), swept("32", 0.3)];
+        assert_eq!(sentences(&runs), ["Best EPE px: 0.300, Diamond search with block 16, and 1 other run."]);
+        assert_eq!(sentences(&runs[1..]), ["EPE px: no difference between these runs."]);
+        let unscored = Row { swept: Some(("block".into(), "8".into())), ..row("diamond", 5.0, &[]) };
+        assert_eq!(sentences(&[unscored]), ["No score or error tells these runs apart."]);
+    }
+}
