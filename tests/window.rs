@@ -10,6 +10,8 @@ mod every;
 mod files;
 #[path = "window/find.rs"]
 mod find;
+#[path = "window/keyboard.rs"]
+mod keyboard;
 #[path = "window/keys.rs"]
 mod keys;
 #[path = "window/landscape.rs"]

@@ -36,14 +36,19 @@ impl Color {
         }))
     }
 
-    /// Relative luminance, 0 black to 1 white (WCAG 2).
-    pub fn luminance(self) -> f32 {
-        let linear = |c: u8| match f32::from(c) / 255.0 {
+    /// Red, green and blue in proportion to light.
+    fn linear(self) -> [f32; 3] {
+        let [r, g, b, _] = self.0;
+        [r, g, b].map(|c| match f32::from(c) / 255.0 {
             c if c <= 0.040_45 => c / 12.92,
             c => ((c + 0.055) / 1.055).powf(2.4),
-        };
-        let [r, g, b, _] = self.0;
-        0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b)
+        })
+    }
+
+    /// Relative luminance, 0 black to 1 white (WCAG 2).
+    pub fn luminance(self) -> f32 {
+        let [r, g, b] = self.linear();
+        0.2126 * r + 0.7152 * g + 0.0722 * b
     }
 
     /// Contrast with `other`, 1 none to 21 black on white (WCAG 2).
@@ -61,9 +66,81 @@ impl Color {
     }
 }
 
+/// How colours are seen.
+#[cfg(test)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Vision {
+    /// With all three kinds of cones.
+    Usual,
+    /// Without those for long waves.
+    Protanopia,
+    /// Without those for middle waves.
+    Deuteranopia,
+}
+
+#[cfg(test)]
+impl Vision {
+    /// What becomes of linear red, green and blue, after Machado, Oliveira and Fernandes: A Physiologically-based Model for Simulation of
+    /// Color Vision Deficiency (2009), severity 1.0.
+    fn matrix(self) -> [[f32; 3]; 3] {
+        match self {
+            Vision::Usual => [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            Vision::Protanopia => [
+                [0.152_286, 1.052_583, -0.204_868],
+                [0.114_503, 0.786_281, 0.099_216],
+                [-0.003_882, -0.048_116, 1.051_998],
+            ],
+            Vision::Deuteranopia => [
+                [0.367_322, 0.860_646, -0.227_968],
+                [0.280_085, 0.672_501, 0.047_413],
+                [-0.011_820, 0.042_940, 0.968_881],
+            ],
+        }
+    }
+}
+
+#[cfg(test)]
+impl Color {
+    /// What this colour looks like with `vision`.
+    pub(super) fn seen_with(self, vision: Vision) -> Self {
+        let from = self.linear();
+        let seen = vision.matrix().map(|row| row.iter().zip(from).map(|(factor, c)| factor * c).sum::<f32>());
+        let encoded = |c: f32| match c.clamp(0.0, 1.0) {
+            c if c <= 0.003_130_8 => 12.92 * c,
+            c => 1.055 * c.powf(1.0 / 2.4) - 0.055,
+        };
+        let [r, g, b] = seen.map(|c| (255.0 * encoded(c)).round() as u8);
+        Self([r, g, b, self.0[3]])
+    }
+
+    /// The coordinates of this colour in CIELAB under D65.
+    pub(super) fn lab(self) -> [f32; 3] {
+        let [r, g, b] = self.linear();
+        let rows =
+            [[0.412_456, 0.357_576, 0.180_438], [0.212_673, 0.715_152, 0.072_175], [0.019_334, 0.119_192, 0.950_304]];
+        let xyz = rows.map(|[x, y, z]: [f32; 3]| x * r + y * g + z * b);
+        let share = |c: f32, white: f32| match c / white {
+            c if c > 0.008_856 => c.cbrt(),
+            c => 7.787 * c + 16.0 / 116.0,
+        };
+        let [x, y, z] = [share(xyz[0], 0.950_47), share(xyz[1], 1.0), share(xyz[2], 1.088_83)];
+        [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn who_lacks_a_cone_sees_grays_as_they_are_and_red_as_no_green() {
+        for vision in [Vision::Protanopia, Vision::Deuteranopia] {
+            assert!(Color::gray(128).seen_with(vision).0.iter().take(3).all(|c| c.abs_diff(128) <= 1), "{vision:?}");
+        }
+        let [red, green] = [0xd0_3030, 0x30_8030].map(Color::hex);
+        let hue = |color: Color| color.seen_with(Vision::Deuteranopia).lab()[1];
+        assert!((hue(red) - hue(green)).abs() < 0.2 * (red.lab()[1] - green.lab()[1]).abs());
+    }
 
     #[test]
     fn contrast_is_that_of_the_standard() {

@@ -202,7 +202,7 @@ impl FlowLayer {
     /// What stands in the legend while the end of the run is awaited.
     pub fn awaited(self) -> Entry {
         let meaning = format!("{}: at the end of the run", self.name().to_lowercase());
-        Entry { role: Role::Estimate, sample: Sample::Awaited, meaning }
+        Entry { role: Role::Estimate, sample: Sample::Awaited, own: Vec::new(), meaning }
     }
 
     /// How opaque it is where nothing else is chosen.
@@ -345,12 +345,12 @@ impl Tint {
         match &self.key {
             TintKey::Wheel(longest) => {
                 let meaning = format!("direction of motion, full colour at {} px/frame", number(*longest));
-                (vec![Entry { role: Role::Estimate, sample: Sample::Wheel, meaning }], None)
+                (vec![Entry { role: Role::Estimate, sample: Sample::Wheel, own: Vec::new(), meaning }], None)
             }
             TintKey::Scale { label, unit, high, is_cut, colors, has_marks } => {
                 let entry = || {
                     let meaning = "fails the check: hidden in frame t+1, or wrong".into();
-                    Entry { role: Role::Error, sample: Sample::Hatch, meaning }
+                    Entry { role: Role::Error, sample: Sample::Hatch, own: Vec::new(), meaning }
                 };
                 let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
                 let at_least = if *is_cut { "≥ " } else { "" };

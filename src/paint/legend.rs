@@ -27,9 +27,16 @@ pub struct Entry {
     pub role: Role,
     /// What it looks like on the stage.
     pub sample: Sample,
+    /// The colours of some of its objects, where each has its own instead of the role's.
+    pub own: Vec<Color>,
     /// What it means here.
     pub meaning: String,
 }
+
+/// Most objects whose colours the legend shows.
+const MOST_OWN: usize = 3;
+/// So many labels of a picture are asked at most.
+const ASKED_LABELS: usize = 4096;
 
 /// What a role looks like on the stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -46,6 +53,8 @@ pub enum Sample {
     Line,
     /// The wheel of colours.
     Wheel,
+    /// Pixels within a contour.
+    Mask,
     /// Pixels that are covered.
     Area,
     /// Stripes.
@@ -89,8 +98,9 @@ impl Sample {
             Shape::Arrows(_) | Shape::Flow { .. } => Some(Sample::Arrow),
             Shape::Points(_) => Some(Sample::Point),
             Shape::Path { .. } => Some(Sample::Line),
-            Shape::Mask(_) => Some(Sample::Area),
-            Shape::Text { .. } | Shape::Heat { .. } | Shape::Labels(_) => None,
+            Shape::Mask(_) => Some(Sample::Mask),
+            Shape::Labels(_) => Some(Sample::Area),
+            Shape::Text { .. } | Shape::Heat { .. } => None,
         }
     }
 }
@@ -101,7 +111,7 @@ pub fn entries<'a>(scene: &Scene, marks: impl Iterator<Item = &'a Mark> + Clone,
         let sample = sample(scene, marks.clone(), role)?;
         if let Some(frames) = look.streak_frames.filter(|_| role == Role::Result && sample == Sample::Arrow) {
             let meaning = format!("where particles would go in {frames} frames of this motion");
-            return Some(Entry { role, sample: Sample::Line, meaning });
+            return Some(Entry { role, sample: Sample::Line, own: Vec::new(), meaning });
         }
         let long = match look.lengthen {
             _ if sample != Sample::Arrow || !marks::is_lengthened(role) => String::new(),
@@ -116,7 +126,8 @@ pub fn entries<'a>(scene: &Scene, marks: impl Iterator<Item = &'a Mark> + Clone,
             None if is_thinned => ", not all drawn at this size".into(),
             None => String::new(),
         };
-        Some(Entry { role, sample, meaning: format!("{meaning}{long}{thinned}") })
+        let own = own_colors(marks.clone(), (role, sample));
+        Some(Entry { role, sample, own, meaning: format!("{meaning}{long}{thinned}") })
     };
     scene.legend.iter().filter_map(entry).collect()
 }
@@ -125,6 +136,41 @@ pub fn entries<'a>(scene: &Scene, marks: impl Iterator<Item = &'a Mark> + Clone,
 pub fn sample<'a>(scene: &Scene, marks: impl Iterator<Item = &'a Mark>, role: Role) -> Option<Sample> {
     let of_mark = marks.filter(|mark| mark.role == role).filter_map(|mark| Sample::of(&mark.shape)).min();
     of_mark.or_else(|| scene.links.iter().any(|link| link.role == role).then_some(Sample::Line))
+}
+
+/// The colours of the first objects whose marks of a role look like the sample, where they have their own.
+fn own_colors<'a>(marks: impl Iterator<Item = &'a Mark> + Clone, (role, sample): (Role, Sample)) -> Vec<Color> {
+    let mut own = Vec::new();
+    let has_regions = marks.clone().any(|mark| matches!(mark.shape, Shape::Labels(_)));
+    let of_sample = marks.filter(|mark| mark.role == role && Sample::of(&mark.shape) == Some(sample));
+    let colors = of_sample.flat_map(|mark| match &mark.shape {
+        Shape::Labels(labels) => some_labels(labels).into_iter().map(marks::own_color).collect(),
+        _ => mark.of.map(|identity| marks::color_of(identity, has_regions)).into_iter().collect::<Vec<_>>(),
+    });
+    for color in colors {
+        if !own.contains(&color) {
+            own.push(color);
+        }
+        if own.len() == MOST_OWN {
+            break;
+        }
+    }
+    own
+}
+
+/// Some of the labels of a picture, each once.
+fn some_labels(labels: &Grid<u32>) -> Vec<u32> {
+    let cells = labels.cells();
+    let mut some: Vec<u32> = Vec::new();
+    for label in cells.iter().step_by(cells.len() / ASKED_LABELS + 1).filter(|label| **label > 0) {
+        if !some.contains(label) {
+            some.push(*label);
+        }
+        if some.len() == MOST_OWN {
+            break;
+        }
+    }
+    some
 }
 
 /// How many times their length displacements are drawn, where that is another.
@@ -150,11 +196,28 @@ fn measure(px: f32) -> String {
 ///
 /// On a panel the rim is left out where the colour stands off by itself.
 pub fn swatch(role: Role, sample: Sample, theme: Theme, min: Point) -> Vec<Primitive> {
-    let mut ink = theme.ink(role);
-    if ink.color.contrast(theme.chrome().panel) >= 2.0 {
+    inked(theme.ink(role), sample, theme, Rect::new(min, SWATCH))
+}
+
+/// The same in the colours of objects beside each other, or in that of the role if there are none.
+pub fn swatch_of(own: &[Color], (role, sample): (Role, Sample), theme: Theme, min: Point) -> Vec<Primitive> {
+    if own.is_empty() {
+        return swatch(role, sample, theme, min);
+    }
+    // An arrow is a measure of length: it stays whole.
+    let own = if sample == Sample::Arrow { &own[..1] } else { own };
+    let width = SWATCH[0] / own.len() as f32;
+    let part = |(i, color): (usize, &Color)| {
+        let rect = Rect::new([min[0] + i as f32 * width, min[1]], [width, SWATCH[1]]);
+        inked(Ink { color: *color, ..theme.ink(role) }, sample, theme, rect)
+    };
+    own.iter().enumerate().flat_map(part).collect()
+}
+
+fn inked(mut ink: Ink, sample: Sample, theme: Theme, rect: Rect) -> Vec<Primitive> {
+    if ink.color.contrast(theme.chrome().panel) >= 3.0 {
         ink.halo_width = 0.0;
     }
-    let rect = Rect::new(min, SWATCH);
     let inner = rect.grown(-(ink.width / 2.0 + ink.halo_width));
     let ([x0, y0], [x1, y1]) = (inner.min, inner.max);
     let middle = (y0 + y1) / 2.0;
@@ -194,6 +257,10 @@ pub fn swatch(role: Role, sample: Sample, theme: Theme, min: Point) -> Vec<Primi
             let dot = |x| Primitive::Disc { center: [x, middle], radius: 2.0, color: theme.chrome().dim };
             out.extend([-8.0, 0.0, 8.0].map(|x| dot(middle_x + x)));
         }
+        Sample::Mask => {
+            out.extend(hatching(&inner, &ink));
+            marks::line(&mut out, &Ink { dash: &[], ..ink }, inner.corners(), true);
+        }
         Sample::Wheel => out.extend(wheel([(rect.min[0] + rect.max[0]) / 2.0, middle], SWATCH[1] / 2.0)),
         Sample::Arrow => {
             let Ink { color, halo, halo_width, .. } = ink;
@@ -203,6 +270,17 @@ pub fn swatch(role: Role, sample: Sample, theme: Theme, min: Point) -> Vec<Primi
         }
     }
     out
+}
+
+/// The stripes of a mask in a swatch.
+fn hatching(Rect { min: [left, top], max: [right, bottom] }: &Rect, ink: &Ink) -> Vec<Primitive> {
+    let (high, stroke) = (bottom - top, Stroke { width: 1.0, color: ink.color, dash: &[] });
+    let count = ((right - left - high) / marks::HATCH_PT) as usize;
+    let stripe = |i: usize| {
+        let x = left + i as f32 * marks::HATCH_PT;
+        Primitive::Polyline { points: vec![[x, *bottom], [x + high, *top]], closed: false, stroke }
+    };
+    (0..=count).map(stripe).collect()
 }
 
 /// What lies under the wheel, as a dimmed picture under the colours of motion.
@@ -316,7 +394,8 @@ impl Strip {
         let [wide, high] = SWATCH;
         let width = wide + GAP + fonts::width(&entry.meaning, Face::Sans, self.size);
         let [x, y] = self.place(width.min(self.width));
-        let swatch = swatch(entry.role, entry.sample, self.theme, [x, y + (self.height - high) / 2.0]);
+        let at = [x, y + (self.height - high) / 2.0];
+        let swatch = swatch_of(&entry.own, (entry.role, entry.sample), self.theme, at);
         self.out.extend(swatch);
         if width <= self.width {
             return self.words(&entry.meaning, [x + wide + GAP, y]);
@@ -392,7 +471,32 @@ mod tests {
         scene.links.push(Link { role: Role::Best, ends });
         let look = Look::new(&scene, marks::Style::default());
         let found = entries(&scene, scene.marks.iter(), &look, 1.0);
-        assert_eq!(found, [Entry { role: Role::Best, sample: Sample::Line, meaning: "correct match".to_owned() }]);
+        let (sample, meaning) = (Sample::Line, "correct match".to_owned());
+        assert_eq!(found, [Entry { role: Role::Best, sample, own: Vec::new(), meaning }]);
+    }
+
+    #[test]
+    fn objects_with_colours_of_their_own_show_them_in_the_legend() {
+        let mut scene = Scene::default();
+        let labels = Grid::from_fn(40, 30, |x, _| [0, 2, 5][x / 15]);
+        scene.mark(Picture::CURRENT, Role::Best, Shape::Labels(Arc::new(labels)));
+        scene.legend(Role::Best, "segments, one colour each");
+        let point = |x: f32| Shape::Points(vec![[x, 2.0]]);
+        scene.mark_of(2, Picture::CURRENT, Role::Result, point(1.0));
+        scene.legend(Role::Result, "mean displacement of a segment");
+        let found = |scene: &Scene| {
+            let look = Look::new(scene, marks::Style::default());
+            entries(scene, scene.marks.iter(), &look, 1.0).into_iter().map(|entry| entry.own).collect::<Vec<_>>()
+        };
+        let [second, fifth] = [2, 5].map(marks::own_color);
+        assert_eq!(found(&scene), [vec![second, fifth], vec![Color::WHITE]], "white on the regions");
+        scene.marks.remove(0);
+        (3..9).for_each(|of| scene.mark_of(of, Picture::CURRENT, Role::Result, point(of as f32)));
+        assert_eq!(found(&scene), [[2, 3, 4].map(marks::own_color)], "as many as can be told apart");
+        let swatch = swatch_of(&found(&scene)[0], (Role::Result, Sample::Point), Theme::Dark, [0.0; 2]);
+        let discs =
+            swatch.iter().filter_map(|p| if let Primitive::Disc { color, .. } = p { Some(*color) } else { None });
+        assert!(discs.collect::<Vec<_>>().ends_with(&[marks::own_color(4)]));
     }
 
     #[test]
@@ -416,7 +520,7 @@ mod tests {
     #[test]
     fn a_long_meaning_is_wrapped_to_the_width_of_the_figure() {
         let meaning = "displacements found, drawn ×2 (this arrow: 12 px), one about every 16 px drawn".to_owned();
-        let entry = Entry { role: Role::Result, sample: Sample::Arrow, meaning };
+        let entry = Entry { role: Role::Result, sample: Sample::Arrow, own: Vec::new(), meaning };
         let (primitives, height) = strip(&[entry.clone(), entry], &[], Theme::Dark, ([0.0; 2], 240.0));
         let lines = primitives.iter().filter_map(|p| if let Primitive::Text(line) = p { Some(line) } else { None });
         let lines: Vec<_> = lines.collect();
@@ -433,6 +537,7 @@ mod tests {
             Sample::Point,
             Sample::Line,
             Sample::Wheel,
+            Sample::Mask,
             Sample::Area,
             Sample::Hatch,
             Sample::Awaited,

@@ -15,10 +15,12 @@ pub(super) use arrows::is_thinned;
 
 use super::fonts::Face;
 use super::primitive::{Anchor, Arrows, Line, Pen, Point, Primitive, Rect, Run, Stroke, Trails};
-use super::{Color, ColorMap, Ink, PointShape, Theme};
+use super::{Color, ColorMap, Ink, PointShape, Theme, mask};
 
 /// Opacity of heat over footage.
 pub(super) const HEAT_ALPHA: u8 = 0xb8;
+/// From one stripe of a mask to the next, in points.
+pub(super) const HATCH_PT: f32 = 7.0;
 /// How near to each other the arrows of a dense field are drawn unless it is chosen, in points of the window and pixels of a file.
 const AIRY: f32 = 9.0;
 /// Where the arrows of a dense field stand this far apart on the screen, in points, there is room for one more between two.
@@ -146,11 +148,7 @@ pub fn resolve<'a>(marks: impl IntoIterator<Item = &'a Mark>, look: &Look, place
     let (mut labels, mut boxes) = (Vec::new(), HashMap::new());
     for mark in others.into_iter().chain(under_test).filter(|mark| mark.shape.is_finite()) {
         let mut ink = look.theme.ink(mark.role);
-        ink.color = match mark.of {
-            // The colour of a region would not be seen on that very colour.
-            Some(_) if has_regions => Color::WHITE,
-            of => of.map_or(ink.color, own_color),
-        };
+        ink.color = mark.of.map_or(ink.color, |identity| color_of(identity, has_regions));
         match &mark.shape {
             Shape::Text { at, text } => labels.push((mark.role, *at, text, ink)),
             shape => {
@@ -219,9 +217,11 @@ impl Painter<'_> {
             Shape::Heat { origin, values } => self.heat(*origin, values),
             Shape::Flow { origin, values } => self.flow(role, *origin, values),
             Shape::Mask(mask) => {
-                let color = self.ink.color.alpha(HEAT_ALPHA).0;
+                let scale = mask::scale(mask.size(), self.place.zoom * self.look.density);
+                let pixels = mask::outlined(mask, (role, &self.ink), (scale, self.place.zoom));
                 let (width, height) = mask.size();
-                self.layer([0.0; 2], Grid::from_fn(width, height, |x, y| if mask.get(x, y) { color } else { [0; 4] }));
+                let rect = self.place.rect([-0.5; 2], [width as f32 - 0.5, height as f32 - 0.5]);
+                self.out.push(Primitive::Image { pixels: Arc::new(pixels), rect });
             }
             Shape::Labels(labels) => self.layer([0.0; 2], labels.map(|&label| region_color(label))),
         }
@@ -338,8 +338,13 @@ pub fn region_color(label: u32) -> [u8; 4] {
     if label == 0 { [0; 4] } else { own_color(label).alpha(HEAT_ALPHA).0 }
 }
 
+/// The colour of the marks of one of several objects: that of a region would not be seen on that very colour.
+pub(super) fn color_of(identity: u32, has_regions: bool) -> Color {
+    if has_regions { Color::WHITE } else { own_color(identity) }
+}
+
 /// The colour of one of several: hues a golden section apart, so that neighbouring numbers differ.
-fn own_color(label: u32) -> Color {
+pub(super) fn own_color(label: u32) -> Color {
     let hue = 6.0 * (label as f32 * 0.618_034).fract();
     let part = |center: f32| {
         let far = (hue - center).abs().min(6.0 - (hue - center).abs());

@@ -17,6 +17,7 @@ mod layer;
 pub mod legend;
 mod links;
 mod marks;
+mod mask;
 mod number;
 mod panel;
 mod pdf;

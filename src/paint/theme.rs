@@ -167,14 +167,24 @@ impl Theme {
         Ink { color, halo, halo_width: thick, fill, width: width * thick, dash, point }
     }
 
-    /// The role's colour for words and plots on a panel: moved towards the text's until it can be read there.
+    /// The role's colour for words on a panel: moved towards the text's until it can be read there.
     pub fn word(self, role: Role) -> Color {
-        let Chrome { panel, .. } = self.chrome();
+        self.on_panel(role, 4.5)
+    }
+
+    /// The role's colour for lines and points on a panel, where no halo sets them off.
+    pub fn stroke(self, role: Role) -> Color {
+        // With the contrast of the others, the orange of results would be the yellow of candidates to the colour-blind on paper.
+        self.on_panel(role, if role == Role::Result { 5.5 } else { 3.5 })
+    }
+
+    fn on_panel(self, role: Role, contrast: f32) -> Color {
+        let Chrome { panel, text, .. } = self.chrome();
         let color = match role {
-            Role::Truth | Role::Window => self.chrome().text,
+            Role::Truth | Role::Window => text,
             _ => self.ink(role).color,
         };
-        color.legible_on(panel, 4.5)
+        color.legible_on(panel, contrast)
     }
 
     /// Colours around the pictures.
@@ -233,6 +243,7 @@ impl Theme {
 
 #[cfg(test)]
 mod tests {
+    use super::super::color::Vision;
     use super::*;
 
     #[test]
@@ -282,6 +293,49 @@ mod tests {
             }
             for role in Role::ALL {
                 assert!(theme.word(role).contrast(chrome.panel) >= 4.5, "{theme:?} {role:?}");
+            }
+        }
+    }
+
+    const VISIONS: [Vision; 3] = [Vision::Usual, Vision::Protanopia, Vision::Deuteranopia];
+
+    #[test]
+    fn every_role_stands_off_its_ground_however_colors_are_seen() {
+        let footage = [0x10, 0x77, 0xf0].map(Color::gray);
+        for (theme, vision) in Theme::ALL.into_iter().flat_map(|theme| VISIONS.map(|vision| (theme, vision))) {
+            let panel = theme.chrome().panel;
+            for role in Role::ALL {
+                let contrast = |front: Color, ground: Color| front.seen_with(vision).contrast(ground.seen_with(vision));
+                let on_panel = [theme.stroke(role), theme.word(role)].map(|color| contrast(color, panel));
+                assert!(on_panel.iter().all(|found| *found >= 3.0), "{theme:?} {vision:?} {role:?}: {on_panel:?}");
+                let Ink { color, halo, .. } = theme.ink(role);
+                for ground in footage {
+                    let best = contrast(color, ground).max(contrast(halo, ground));
+                    assert!(best >= 3.0, "{theme:?} {vision:?} {role:?} over {ground:?}: {best}");
+                }
+            }
+        }
+    }
+
+    /// Whether two colours are told apart at a glance: some three times what is just noticeable.
+    fn are_apart(a: Color, b: Color, vision: Vision) -> bool {
+        let [a, b] = [a, b].map(|color| color.seen_with(vision).lab());
+        (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f32>().sqrt() >= 8.0
+    }
+
+    #[test]
+    fn two_roles_differ_in_a_dash_a_shape_or_a_color_that_everyone_sees() {
+        for (theme, vision) in Theme::ALL.into_iter().flat_map(|theme| VISIONS.map(|vision| (theme, vision))) {
+            for (i, role) in Role::ALL.into_iter().enumerate() {
+                for other in Role::ALL.into_iter().take(i) {
+                    let [a, b] = [role, other].map(|role| theme.ink(role));
+                    let of_footage = are_apart(a.color, b.color, vision);
+                    let of_panel = are_apart(theme.stroke(role), theme.stroke(other), vision);
+                    let what = format!("{theme:?} {vision:?} {role:?} {other:?}");
+                    assert!(a.point != b.point || of_footage && of_panel, "points: {what}");
+                    let is_line_told = a.dash != b.dash || a.width != b.width || a.fill != b.fill;
+                    assert!(is_line_told || of_footage && of_panel, "lines: {what}");
+                }
             }
         }
     }

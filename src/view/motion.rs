@@ -232,7 +232,7 @@ impl Motion {
     pub fn facts(&self) -> Vec<Fact> {
         match (&self.check, &self.unchecked) {
             (Some(check), _) => check.facts(),
-            (None, Some(error)) => vec![Fact { label: "Reverse pair", value: error.to_string(), role: None }],
+            (None, Some(error)) => vec![Fact::new("Reverse pair", error.to_string(), None)],
             (None, None) => Vec::new(),
         }
     }
@@ -415,7 +415,7 @@ impl Check {
 
     /// Returns the result as facts.
     pub fn facts(&self) -> Vec<Fact> {
-        let fact = |label, value| Fact { label, value, role: None };
+        let fact = |label, value: String| Fact::new(label, value, None);
         let percent = 100.0 * self.inconsistent as f64 / self.pixels.max(1) as f64;
         let mut facts = vec![fact("Inconsistent", format!("{} pixels, {percent:.1} %", grouped(self.inconsistent)))];
         facts.push(fact("Criterion", Consistency::criterion()));

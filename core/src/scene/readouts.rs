@@ -104,12 +104,20 @@ pub struct Fact {
     pub value: String,
     /// Its role, if it has one.
     pub role: Option<Role>,
+    /// The identity of the object that it belongs to, if objects are distinguished: its sign has the colour of that object's marks.
+    pub of: Option<u32>,
 }
 
 impl Fact {
     /// A number with its label, and its role if it has one.
     pub fn new(label: &'static str, value: impl Into<String>, role: Option<Role>) -> Self {
-        Self { label, value: value.into(), role }
+        Self { label, value: value.into(), role, of: None }
+    }
+
+    /// The same number of an object that is distinguished from others.
+    #[must_use]
+    pub fn of(self, identity: u32) -> Self {
+        Self { of: Some(identity), ..self }
     }
 }
 

@@ -49,7 +49,7 @@ impl Sheet {
 
 /// The colour of a mark.
 fn ink(theme: Theme, role: Role, is_faded: bool) -> Color {
-    let color = theme.ink(role).color;
+    let color = theme.stroke(role);
     if is_faded { theme.chrome().panel.mix(color, FADED) } else { color }
 }
 
@@ -127,8 +127,8 @@ mod tests {
                 _ => None,
             })
             .collect();
-        assert_eq!(colors[0], Theme::Dark.ink(Role::Best).color);
-        assert_ne!(colors[1], Theme::Dark.ink(Role::Rejected).color, "it steps back");
+        assert_eq!(colors[0], Theme::Dark.stroke(Role::Best));
+        assert_ne!(colors[1], Theme::Dark.stroke(Role::Rejected), "it steps back");
         let words = texts(&primitives);
         assert!(["0.75", "MHT · Tree of hypotheses"].iter().all(|word| words.iter().any(|other| other == word)));
         let [width, height] = draw_in(&Diagram { is_isotropic: true, ..diagram }).place.rect.size();

@@ -6,10 +6,11 @@ use motionscope_core::glossary::{Term, occurrences};
 use motionscope_core::scene::{Fact, Math, Readout, Sentence};
 use motionscope_core::{Info, Role, Step, pseudocode as code};
 
-use super::super::legend::SWATCH;
+use super::super::legend::{self, SWATCH, Sample};
+use super::super::marks::own_color;
 use super::super::primitive::{Anchor, Point, Primitive, Rect, Run};
 use super::super::{Chrome, Face, Theme, fonts, wrap};
-use super::canvas::{Canvas, Level, Type};
+use super::canvas::{Canvas, Level, Type, solid};
 use super::changes::{self, Since};
 use super::formula;
 use super::{ChartStyle, Drawing, tiles};
@@ -20,9 +21,8 @@ const GAP: f32 = 8.0;
 const BOX: f32 = 8.0;
 /// Above and below a line of code.
 const CODE_MARGIN: f32 = 3.0;
-/// Around a number that is lit, and the width of its frame, in points.
-const LIT_MARGIN: f32 = 1.0;
-const LIT_PT: f32 = 1.5;
+/// Thickness of the line below a number that is lit, in points.
+const LIT_PT: f32 = 2.0;
 /// Fewest lines of code that are shown where there is little room.
 const FEWEST_LINES: usize = 5;
 
@@ -248,11 +248,11 @@ pub fn rule(width: f32, theme: Theme) -> Block {
     Block { size: [width, 1.0], primitives: canvas.into_primitives(), ..Block::default() }
 }
 
-/// A sentence, its role words in a legible shade of the role's color and underlined in the very color.
+/// A sentence, its role words in a legible shade of the role's color and underlined as its lines are drawn on a panel.
 pub fn sentence(sentence: &Sentence, (width, density): (f32, Density), theme: Theme) -> Block {
     let run = |(words, role): &(String, Option<_>)| match *role {
         None => Run::new(words, theme.chrome().text),
-        Some(role) => Run::new(words, theme.word(role)).underlined(theme.ink(role).color),
+        Some(role) => Run::new(words, theme.word(role)).underlined(theme.stroke(role)),
     };
     let runs: Vec<_> = sentence.0.iter().map(run).collect();
     let (mut block, all) = words(&runs, width, density);
@@ -311,12 +311,10 @@ pub fn equation<'a>(formulas: impl Into<Since<'a, Math>>, (width, density): (f32
     block
 }
 
-/// A frame around what has changed: on a filled ground, the colours of roles could hardly be read.
-fn light(canvas: &mut Canvas, rect: Rect, theme: Theme) {
-    let mut frame = rect.grown(LIT_MARGIN);
-    // Nothing above the first line of its part is seen.
-    frame.min[1] = frame.min[1].max(LIT_PT / 2.0);
-    canvas.frame(frame, LIT_PT, theme.chrome().accent);
+/// A line below what has changed: on a filled ground, the colours of roles could hardly be read.
+fn light(canvas: &mut Canvas, Rect { min: [left, _], max: [right, bottom] }: Rect, theme: Theme) {
+    let y = bottom - LIT_PT / 2.0;
+    canvas.line(vec![[left, y], [right, y]], false, solid(LIT_PT, theme.chrome().accent));
 }
 
 /// Labels left, values right; those that differ from the fact of the same name before are lit.
@@ -355,7 +353,11 @@ fn row(fact: &Fact, RowLayout { width, margin, is_ruled, is_lit }: RowLayout, th
     let place = Level::Middle;
     let middle = margin + height / 2.0;
     if let Some(role) = fact.role {
-        canvas.extend(tiles::swatch(role, theme, [0.0, (middle - SWATCH[1] / 2.0).round()]));
+        let at = [0.0, (middle - SWATCH[1] / 2.0).round()];
+        canvas.extend(match fact.of {
+            Some(identity) => legend::swatch_of(&[own_color(identity)], (role, Sample::Area), theme, at),
+            None => tiles::swatch(role, theme, at),
+        });
     }
     let labels = wrap(&[Run::new(fact.label, dim)], size, width - left);
     for (i, runs) in labels.iter().enumerate() {
@@ -368,9 +370,8 @@ fn row(fact: &Fact, RowLayout { width, margin, is_ruled, is_lit }: RowLayout, th
         let words: String = runs.into_iter().map(|run| run.text).collect();
         let y = middle + (first + i) as f32 * height;
         if is_lit {
-            let value = [style.width(&words) + 2.0 * LIT_MARGIN, height - 2.0];
-            let corner = [width - value[0] + LIT_MARGIN, y - value[1] / 2.0];
-            light(&mut canvas, Rect::new(corner, value).grown(-LIT_MARGIN), theme);
+            let value = [style.width(&words), height - 2.0];
+            light(&mut canvas, Rect::new([width - value[0], y - value[1] / 2.0], value), theme);
         }
         canvas.text([width, y], (Anchor::End, place), &words, style.color(text));
     }
@@ -583,7 +584,8 @@ mod tests {
         let lit = |block: &Block| {
             let accent = theme.chrome().accent;
             let is_lit = |p: &&Primitive| matches!(p, Primitive::Polyline { stroke, .. } if stroke.color == accent);
-            block.primitives.iter().filter(is_lit).count()
+            let lines = block.primitives.iter().filter(is_lit);
+            lines.inspect(|p| assert!(p.bounds().size()[1] < 6.0, "a line below the number, no box around it")).count()
         };
         let (now, before) = (row("950"), row("812"));
         assert_eq!(lit(&equation(Since { now: &now, before: &before }, layout, theme)), 1);
@@ -591,6 +593,15 @@ mod tests {
         let (now, before) = (facts("950"), facts("812"));
         assert_eq!(lit(&table(Since { now: &now, before: &before }, layout, theme)), 1);
         assert_eq!(lit(&table(&now, layout, theme)), 0);
+    }
+
+    #[test]
+    fn the_key_of_an_object_has_its_colour() {
+        let facts = [Fact::new("Segment", "3: still", Some(Role::Result)).of(3), Fact::new("Segments", "1", None)];
+        let block = table(&facts, (320.0, Density::close(Theme::Dark)), Theme::Dark);
+        let own = own_color(3).0;
+        let is_own = |p: &&Primitive| matches!(p, Primitive::Polygon { color, .. } if color.0[..3] == own[..3]);
+        assert_eq!(block.primitives.iter().filter(is_own).count(), 1);
     }
 
     #[test]

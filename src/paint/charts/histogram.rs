@@ -1,14 +1,21 @@
-//! How many blocks have each displacement: a map of counts, and the fullest bins as a list.
+//! How many blocks have each displacement: a map of counts, and the fullest bins by their displacements.
 
 use motionscope_core::{Histogram, Role, fixed};
 
-use super::super::primitive::{Anchor, Point, Primitive, Rect};
+use super::super::primitive::{Anchor, Point, Primitive, Rect, Run};
 use super::super::{Color, ColorMap, Face, Theme, grouped, number};
 use super::canvas::{Canvas, Level, Type, around, fitting, middle, shortened};
+use super::labels::{self, Labels};
 use super::{ChartStyle, Drawing, Map};
 
 /// Letters of room for the list.
 const LIST: f32 = 13.0;
+/// The same where there is none, for the end of the axis.
+const NO_LIST: f32 = 1.5;
+/// The smallest share of its side that a map beside the list may have; else the fullest bins carry their names.
+const BESIDE_LIST: f32 = 0.9;
+/// How many of them.
+const NAMED: usize = 3;
 /// The smallest side of a bin that has any, in points: it must be seen and found.
 const LEAST: f32 = 4.0;
 
@@ -35,7 +42,10 @@ pub fn draw(data: Counts<'_>, area: Rect, style: ChartStyle) -> Drawing<Map> {
     if let Some(at) = histogram.newest {
         newest(&mut canvas, &map, at, style);
     }
-    list(&mut canvas, &map, (area, histogram), style);
+    match has_list(histogram, area, theme) {
+        true => list(&mut canvas, &map, (area, histogram), style),
+        false => names(&mut canvas, &map, histogram, theme),
+    }
     if !map.is_tight() {
         let (dim, room) = (Type::dim(theme), map.name_left(theme) - map.small - area.min[0]);
         let words = details(histogram).join(", ");
@@ -49,8 +59,19 @@ pub fn draw(data: Counts<'_>, area: Rect, style: ChartStyle) -> Drawing<Map> {
 
 /// Where the bins lie.
 fn map(histogram: &Histogram, area: Rect, theme: Theme) -> Map {
+    let letters = if has_list(histogram, area, theme) { LIST } else { NO_LIST };
+    map_beside(histogram, area, letters, theme)
+}
+
+fn map_beside(histogram: &Histogram, area: Rect, letters: f32, theme: Theme) -> Map {
     let of = (histogram.origin, histogram.counts.size());
-    Map::new(of, area, LIST, theme).with_cells_per_px(histogram.bins_per_px)
+    Map::new(of, area, letters, theme).with_cells_per_px(histogram.bins_per_px)
+}
+
+/// Whether the fullest bins stand in a list beside the map, which takes no room from it.
+fn has_list(histogram: &Histogram, area: Rect, theme: Theme) -> bool {
+    let [with, without] = [LIST, NO_LIST].map(|letters| map_beside(histogram, area, letters, theme).cell);
+    with >= BESIDE_LIST * without
 }
 
 /// What stands above the map: what is counted, or `told` of the bin that is pointed at.
@@ -155,13 +176,8 @@ fn bins(canvas: &mut Canvas, map: &Map, histogram: &Histogram, colors: ColorMap)
         let (rect, fill) = (seen(map, at), color(count, most, colors));
         canvas.fill(rect.grown(if map.cell > 8.0 { -0.5 } else { 0.0 }), fill);
         let words = grouped(count as usize);
-        let fitting = |share: &f32| {
-            let style = Type { face: Face::Sans, size: share * map.small, color: super::on(fill) };
-            let fits = style.width(&words) + 2.0 < rect.size()[0] && 1.2 * style.size < rect.size()[1] + 4.0;
-            fits.then_some(style)
-        };
-        if let Some(style) = COUNT_SHARES.iter().find_map(fitting) {
-            canvas.text(middle(&rect), (Anchor::Middle, Level::Middle), &words, style);
+        if let Some(style) = count_style(map, &rect, &words) {
+            canvas.text(middle(&rect), (Anchor::Middle, Level::Middle), &words, style.color(super::on(fill)));
         }
     }
 }
@@ -172,6 +188,36 @@ fn newest(canvas: &mut Canvas, map: &Map, at: [i32; 2], style: ChartStyle) {
     let rect = around(middle(&map.cell_rect(at)), [map.cell.max(9.0); 2]);
     canvas.frame(rect, ink.width + 2.0 * ink.halo_width, ink.halo);
     canvas.frame(rect, ink.width, ink.color);
+}
+
+/// The displacements of the newest and of the fullest bins, with the counts of those that are too small to hold them, beside the bins.
+fn names(canvas: &mut Canvas, map: &Map, histogram: &Histogram, theme: Theme) {
+    let text = Type::text(theme);
+    let bins = histogram.fullest();
+    let mut room = Labels::new(map.rect);
+    bins.iter().for_each(|(at, _)| room.keep_off(seen(map, *at)));
+    let (newest, others): (Vec<_>, Vec<_>) = bins.into_iter().partition(|(at, _)| histogram.newest == Some(*at));
+    for (at, count) in newest.into_iter().chain(others).take(NAMED) {
+        let bin = seen(map, at);
+        let words = match count_style(map, &bin, &grouped(count as usize)) {
+            Some(_) => displacement(histogram, at),
+            None => format!("{}: {}", displacement(histogram, at), grouped(count as usize)),
+        };
+        let color = if histogram.newest == Some(at) { theme.word(Role::Result) } else { text.color };
+        let runs = vec![Run::new(words, color)];
+        let size = labels::size(&runs, text.size);
+        let reach = 0.5 * bin.size()[0] + 3.0;
+        if let Some(center) = room.place_anyway(size, &labels::around(middle(&bin), reach, size)) {
+            labels::write(canvas, center, runs, (text, theme.chrome().panel));
+        }
+    }
+}
+
+/// The size of a count that fits into its bin, if any does.
+fn count_style(map: &Map, bin: &Rect, words: &str) -> Option<Type> {
+    let style = |share: &f32| Type { face: Face::Sans, size: share * map.small, color: Color::BLACK };
+    let fits = |style: &Type| style.width(words) + 2.0 < bin.size()[0] && 1.2 * style.size < bin.size()[1] + 4.0;
+    COUNT_SHARES.iter().map(style).find(fits)
 }
 
 /// The fullest bins as words, as many as there is room for; the newest stands out.
@@ -232,6 +278,20 @@ mod tests {
         let [x, y] = middle(&map.cell_rect([-60, 40]));
         assert_eq!(nearest(&histogram, &map, [x + 1.6, y - 1.6]), Some([-60, 40]));
         assert_eq!(nearest(&histogram, &map, middle(&map.cell_rect([0, 0]))), Some([0, 0]));
+    }
+
+    #[test]
+    fn a_narrow_histogram_names_its_fullest_bins_in_place_of_a_list() {
+        let vectors = [[2.0, 1.0], [2.0, 1.0], [0.0, 0.0], [-3.0, 2.0], [-3.0, 2.0], [-3.0, 2.0]];
+        let histogram = Histogram::of(Counted::default(), &vectors, false).expect("there are vectors");
+        let style = ChartStyle { theme: Theme::Dark, colors: ColorMap::Viridis, density: 1.0 };
+        let drawn = |size| draw(Counts { histogram: &histogram, whose: "" }, Rect::new([0.0; 2], size), style);
+        let (narrow, wide) = (drawn([300.0, 400.0]), drawn([900.0, 300.0]));
+        assert!(narrow.place.rect.size()[0] > 200.0, "{:?}", narrow.place.rect);
+        let words = texts(&flat(narrow));
+        assert!(["(−3, 2)", "(2, 1)", "(0, 0)"].iter().all(|name| words.iter().any(|word| word == name)), "{words:?}");
+        let is_list = |words: &[String]| words.iter().filter(|word| word.starts_with('(')).count() == 3;
+        assert!(is_list(&texts(&flat(wide))));
     }
 
     #[test]

@@ -14,6 +14,7 @@ pub mod explanation;
 pub mod formula;
 pub mod heat_map;
 pub mod histogram;
+mod labels;
 mod map;
 pub mod matrices;
 mod orbit;

@@ -5,10 +5,11 @@ use std::sync::Arc;
 use motionscope_core::scene::{Constraint, Plane, Spread};
 use motionscope_core::{Grid, Role, fixed};
 
-use super::super::primitive::{Anchor, Point, Primitive, Rect};
-use super::super::{Color, Face, Ink, Theme, labels, legend, marks, number, region_color};
+use super::super::primitive::{Anchor, Point, Primitive, Rect, Run};
+use super::super::{Color, Face, Ink, Theme, labels as tick_labels, legend, marks, number, region_color};
 use super::axis::Axis;
 use super::canvas::{Canvas, Level, Type, fitting, shortened, solid};
+use super::labels::{self, Labels};
 use super::{ChartStyle, Drawing, titled};
 
 /// How near one can come: what a plane shows at first is at most so many times as wide.
@@ -88,23 +89,34 @@ pub struct Square {
     window: Window,
     /// Whether the names of the axes share the rows of what stands above and of the numbers below.
     is_tight: bool,
-    /// Whether the names of the points stand below the plane.
+    /// Whether the points and the ellipse carry their names.
+    is_direct: bool,
+    /// Whether their names stand below the plane.
     has_names_below: bool,
 }
 
 /// What is named around a plane.
 #[derive(Clone, Copy)]
 struct Named {
-    /// How many points.
+    /// Whether the points and the ellipse carry their names.
+    is_direct: bool,
+    /// How many other points.
     points: usize,
-    /// Whether there is an ellipse, and a scale of costs.
+    /// Whether there is another ellipse, and a scale of costs.
     has_ellipse: bool,
     has_scale: bool,
 }
 
 impl Named {
-    fn of(plane: &Plane) -> Self {
-        Self { points: plane.points.len(), has_ellipse: plane.ellipse.is_some(), has_scale: plane.cost.is_some() }
+    fn of(plane: &Plane, area: Rect, style: Type) -> Self {
+        let is_direct = has_room(plane, area, style);
+        let points = if is_direct { 0 } else { plane.points.len() };
+        Self { is_direct, points, has_ellipse: !is_direct && plane.ellipse.is_some(), has_scale: plane.cost.is_some() }
+    }
+
+    /// Whether anything has to stand beside the plane or below it.
+    fn is_any(self) -> bool {
+        self.points > 0 || self.has_ellipse || self.has_scale
     }
 
     /// Height of the names below the plane, a point a line, in sizes of their type.
@@ -121,11 +133,11 @@ impl Square {
         let min = [area.min[0] + 4.0 * small, area.min[1] + beside];
         let room = [area.max[0] - small - min[0], area.max[1] - beside - min[1]];
         let beside = |names: f32, least: f32| (room[0] - names * small).max(least * room[0]).min(room[1]).max(8.0);
-        let side = beside(NAMES, 0.6);
+        let side = if named.is_any() { beside(NAMES, 0.6) } else { beside(0.0, 1.0) };
         // Rather a smaller plane than displacements without their decimals.
         let (names, side) = match is_short(named.points, side, small) {
             true => (SHORT_NAMES, beside(SHORT_NAMES, 0.45)),
-            false => (NAMES, side),
+            false => (if named.is_any() { NAMES } else { 0.0 }, side),
         };
         // Where the area is narrow, the plane is larger over its names.
         let below = room[0].min(room[1] - named.letters_below() * small);
@@ -137,7 +149,7 @@ impl Square {
             let values = [window.center[i] - window.reach, window.center[i] + window.reach];
             Axis::new(values, [rect.min[i], rect.max[i]])
         };
-        Self { rect, axes: [axis(0), axis(1)], window, is_tight, has_names_below }
+        Self { rect, axes: [axis(0), axis(1)], window, is_tight, is_direct: named.is_direct, has_names_below }
     }
 
     /// Where a displacement stands.
@@ -186,15 +198,15 @@ fn seen_from(line: &Constraint, [u, v]: [f32; 2]) -> Constraint {
 pub fn draw(data: Shown<'_>, area: Rect, style: ChartStyle) -> Drawing<Square> {
     let Shown { plane, window, .. } = data;
     let (theme, small) = (style.theme, style.small());
-    let square = Square::new(area, window.unwrap_or(Window::whole(plane)), (small, Named::of(plane)));
+    let named = Named::of(plane, area, Type::text(theme));
+    let square = Square::new(area, window.unwrap_or(Window::whole(plane)), (small, named));
     let mut canvas = Canvas::default();
     canvas.inside(square.rect, |canvas| costs(canvas, &square, plane, style));
     axes(&mut canvas, &square, (plane, window.is_some() || plane.center != [0.0; 2]), theme);
     for line in &plane.lines {
         if let Some(ends) = square.part(line) {
-            let Color([.., alpha]) = theme.ink(line.role).color;
-            let alpha = (f32::from(alpha) * (0.25 + 0.75 * line.weight)) as u8;
-            canvas.line(ends.to_vec(), false, solid(1.0 + line.weight, theme.ink(line.role).color.alpha(alpha)));
+            let alpha = (255.0 * (0.25 + 0.75 * line.weight)) as u8;
+            canvas.line(ends.to_vec(), false, solid(1.0 + line.weight, theme.stroke(line.role).alpha(alpha)));
         }
     }
     let beyond = plane.lines.iter().filter(|line| plane.lines.len() <= FEW && square.part(line).is_none());
@@ -340,7 +352,7 @@ fn towards(canvas: &mut Canvas, square: &Square, line: &Constraint, theme: Theme
     let length = way[0].hypot(way[1]);
     let [x, y] = way.map(|c| c / length * ARROW);
     let foot = |side: f32| [tip[0] - x - 0.6 * side * y, tip[1] - y + 0.6 * side * x];
-    canvas.add(Primitive::Polygon { points: vec![tip, foot(1.0), foot(-1.0)], color: theme.word(line.role) });
+    canvas.add(Primitive::Polygon { points: vec![tip, foot(1.0), foot(-1.0)], color: theme.stroke(line.role) });
 }
 
 fn axes(canvas: &mut Canvas, square: &Square, (plane, is_near): (&Plane, bool), theme: Theme) {
@@ -350,13 +362,13 @@ fn axes(canvas: &mut Canvas, square: &Square, (plane, is_near): (&Plane, bool), 
     canvas.frame(square.rect.grown(0.5), 1.0, chrome.line);
     let ticks = |axis: &Axis, spacing: f32| if is_near { axis.ticks(spacing, 0.0) } else { halves(axis, spacing) };
     let across = ticks(&square.axes[0], 3.6 * small);
-    for (&u, words) in across.iter().zip(labels(&across)) {
+    for (&u, words) in across.iter().zip(tick_labels(&across)) {
         let x = square.axes[0].place(u);
         canvas.down(x, [top, bottom], chrome.line);
         canvas.text([x, bottom + 4.0], (Anchor::Middle, Level::Top), &words, dim);
     }
     let down = ticks(&square.axes[1], 2.0 * small);
-    for (&v, words) in down.iter().zip(labels(&down)) {
+    for (&v, words) in down.iter().zip(tick_labels(&down)) {
         let y = square.axes[1].place(v);
         canvas.across([left, right], y, chrome.line);
         canvas.text([left - 6.0, y], (Anchor::End, Level::Middle), &words, dim);
@@ -394,7 +406,7 @@ fn spread(square: &Square, spread: &Spread, theme: Theme) -> Primitive {
     // One px is as long across as down.
     let radii = spread.radii.map(|r| r / square.per_point());
     let points = marks::ellipse(square.at(spread.center), radii, spread.angle_rad);
-    Primitive::Polyline { points, closed: true, stroke: solid(theme.ink(SPREAD).width, theme.word(SPREAD)) }
+    Primitive::Polyline { points, closed: true, stroke: solid(theme.ink(SPREAD).width, theme.stroke(SPREAD)) }
 }
 
 /// Whether the plane is so small that the name of a point and its place share a line.
@@ -402,7 +414,60 @@ fn is_short(points: usize, side: f32, small: f32) -> bool {
     3.2 * small * points as f32 > side
 }
 
-/// The points, and beside the plane what each is called.
+/// Share of the plane that names of points may cover.
+const COVERED: f32 = 0.2;
+/// Widest name of a point, as a share of the plane's width.
+const WIDEST: f32 = 0.75;
+/// From a point to its name, and to a name that needs a line to it, in points.
+const REACH: f32 = 8.0;
+const FAR: f32 = 16.0;
+
+/// What the ellipse is called.
+const SPREAD_NAME: &str = "one standard deviation";
+
+/// Whether the points of `plane` and its ellipse can carry their names in `area`.
+fn has_room(plane: &Plane, area: Rect, style: Type) -> bool {
+    let side = (area.size()[0] - 5.0 * style.size).min(area.size()[1] - 6.4 * style.size).max(1.0);
+    let place = |uv: &[f32; 2]| 0.5 * style.size + style.width(&place_within(*uv, (style, f32::INFINITY), plane.reach));
+    let points = plane.points.iter().map(|(name, _, uv)| style.width(name) + place(uv));
+    let widths: Vec<f32> = points.chain(plane.ellipse.iter().map(|_| style.width(SPREAD_NAME))).collect();
+    let covered = widths.iter().sum::<f32>() * 1.2 * style.size;
+    widths.iter().all(|width| *width <= WIDEST * side) && covered <= COVERED * side * side
+}
+
+/// The names of points and ellipse where these stand, each point's with its displacement; a line leads to one that is far away.
+fn direct_names(canvas: &mut Canvas, square: &Square, (plane, theme): (&Plane, Theme)) {
+    let (text, dim) = (Type::text(theme), Type::dim(theme));
+    let mut room = Labels::new(square.rect);
+    let seen: Vec<_> =
+        plane.points.iter().zip(own_colors(plane)).map(|(point, own)| (point, square.at(point.2), own)).collect();
+    let seen: Vec<_> = seen.into_iter().filter(|(_, at, _)| square.displacement(*at).is_some()).collect();
+    seen.iter().for_each(|(_, at, _)| room.keep_off(Rect::centered(*at, [2.0 * REACH - 2.0; 2])));
+    room.keep_off_line(plane.path.iter().map(|uv| square.at(*uv)).collect());
+    if plane.lines.len() <= FEW {
+        plane.lines.iter().filter_map(|line| square.part(line)).for_each(|ends| room.keep_off_line(ends.to_vec()));
+    }
+    let mut write = |at: Point, reach: f32, runs: Vec<Run>| {
+        let size = labels::size(&runs, text.size);
+        let Some(center) = room.place_anyway(size, &labels::around(at, reach, size)) else { return };
+        let foot = [0, 1].map(|i| at[i].clamp(center[i] - size[i] / 2.0, center[i] + size[i] / 2.0));
+        if (foot[0] - at[0]).hypot(foot[1] - at[1]) > reach + FAR - REACH {
+            canvas.line(vec![at, foot], false, solid(1.0, theme.chrome().dim));
+        }
+        labels::write(canvas, center, runs, (text, theme.chrome().panel));
+    };
+    for ((name, role, uv), at, own) in &seen {
+        let color = own.map_or(theme.word(*role), |own| own.legible_on(theme.chrome().panel, 4.5));
+        let place = place_within(*uv, (dim, f32::INFINITY), square.window.reach);
+        write(*at, REACH, vec![Run::new(format!("{name} "), color), Run::new(place, dim.color)]);
+    }
+    if let Some(spread) = &plane.ellipse {
+        let reach = spread.radii[0].min(spread.radii[1]) / square.per_point() + 2.0;
+        write(square.at(spread.center), reach, vec![Run::new(SPREAD_NAME, theme.word(SPREAD))]);
+    }
+}
+
+/// The points, and beside the plane what each is called unless they carry their names.
 fn names(canvas: &mut Canvas, square: &Square, area: Rect, (plane, style): (&Plane, ChartStyle)) {
     let theme = style.theme;
     let (text, dim) = (Type::text(theme), Type::dim(theme));
@@ -416,6 +481,9 @@ fn names(canvas: &mut Canvas, square: &Square, area: Rect, (plane, style): (&Pla
         if square.displacement(square.at(*uv)).is_some() {
             canvas.extend(point((*role, own), theme, square.at(*uv)));
         }
+        if square.is_direct {
+            continue;
+        }
         canvas.extend(point((*role, own), theme, at.map(|c| c + small / 2.0)));
         let left = at[0] + 1.8 * small;
         let room = area.max[0] - left;
@@ -426,11 +494,13 @@ fn names(canvas: &mut Canvas, square: &Square, area: Rect, (plane, style): (&Pla
         canvas.text([x, y], place_at, &place_within(*uv, (dim, area.max[0] - x), square.window.reach), dim);
         at[1] += if is_short { LINE } else { 3.2 } * small;
     }
-    if plane.ellipse.is_some() {
+    if square.is_direct {
+        direct_names(canvas, square, (plane, theme));
+    } else if plane.ellipse.is_some() {
         let ([x, y], radii) = (at.map(|c| c + small / 2.0), [0.6 * small, 0.35 * small]);
-        canvas.line(marks::ellipse([x, y], radii, 0.0), true, solid(theme.ink(SPREAD).width, theme.word(SPREAD)));
+        canvas.line(marks::ellipse([x, y], radii, 0.0), true, solid(theme.ink(SPREAD).width, theme.stroke(SPREAD)));
         let left = at[0] + 1.8 * small;
-        let words = shortened("one standard deviation", text, area.max[0] - left);
+        let words = shortened(SPREAD_NAME, text, area.max[0] - left);
         canvas.text([left, y], (Anchor::Start, Level::Middle), &words, text);
         at[1] += LINE * small;
     }
@@ -563,6 +633,31 @@ mod tests {
         }
     }
 
+    #[test]
+    fn few_points_carry_their_names_and_leave_the_plane_all_the_room() {
+        let points = vec![("normal flow", Role::Result, [1.0, -0.25]), ("true flow", Role::Truth, [1.02, -0.2])];
+        let few = Plane { points, ..plane() };
+        let area = Rect::new([0.0; 2], [420.0, 400.0]);
+        let drawn = |plane: &Plane, area: Rect| draw(Shown { plane, whose: "", window: None }, area, style());
+        let drawing = drawn(&few, area);
+        let square = drawing.place;
+        assert!(square.is_direct && square.rect.size()[0] > 0.75 * area.size()[0], "{:?}", square.rect);
+        let names: Vec<_> = flat(drawing)
+            .into_iter()
+            .filter_map(|p| if let Primitive::Text(line) = p { Some(line) } else { None })
+            .filter(|line| line.halo.is_some())
+            .map(|line| (line.runs[0].text.clone() + &line.runs[1].text, super::super::canvas::covered(&line)))
+            .collect();
+        let [(first, a), (second, b)] = &names[..] else { panic!("{names:?}") };
+        assert_eq!([first.as_str(), second], ["normal flow (1.000, −0.250)", "true flow (1.020, −0.200)"]);
+        assert!(
+            !a.grown(-2.0).meets(&b.grown(-2.0)) && [a, b].iter().all(|name| square.rect.grown(3.0).contains(name.min))
+        );
+        assert!(!drawn(&few, Rect::new([0.0; 2], [420.0, 200.0])).place.is_direct, "a small one has them beside it");
+        let many = (0..12).map(|i| ("a further mean", Role::Result, [0.1 * i as f32, 0.0])).collect();
+        assert!(!drawn(&Plane { points: many, ..plane() }, area).place.is_direct);
+    }
+
     fn with_line_at(distance: f32) -> Plane {
         let line = Constraint { factors: [0.6, 0.8, -distance], weight: 1.0, role: Role::Candidate };
         Plane { lines: vec![line], ..plane() }
@@ -679,7 +774,8 @@ mod tests {
         let area = Rect::new([0.0; 2], [400.0, 300.0]);
         let at = [1.0, -0.25];
         let near = Window::whole(&plane).nearer(at, 8.0, &plane);
-        let squares = [Window::whole(&plane), near].map(|window| Square::new(area, window, (12.0, Named::of(&plane))));
+        let named = Named::of(&plane, area, Type::text(Theme::Dark));
+        let squares = [Window::whole(&plane), near].map(|window| Square::new(area, window, (12.0, named)));
         let places = squares.map(|square| square.at(at));
         assert!((0..2).all(|i| (places[0][i] - places[1][i]).abs() < 1e-2), "{places:?}");
         assert_eq!(near.reach, 0.25);

@@ -6,6 +6,7 @@ use super::super::primitive::{Anchor, Point, Primitive, Rect};
 use super::super::{Face, Theme, labels, number};
 use super::axis::Axis;
 use super::canvas::{Canvas, Level, Type, shortened, solid};
+use super::labels::Labels;
 use super::{ChartStyle, Drawing, titled};
 
 /// What is shown.
@@ -61,12 +62,12 @@ pub fn draw(data: Shown<'_>, area: Rect, style: ChartStyle) -> Drawing<Square> {
     canvas.inside(square.rect, |canvas| {
         for (_, role, points) in &regions.boundaries {
             let line = points.iter().map(|values| square.at(*values)).collect();
-            canvas.line(line, false, solid(2.0, theme.ink(*role).color));
+            canvas.line(line, false, solid(2.0, theme.stroke(*role)));
         }
         for (_, role, values) in &regions.points {
             let at = square.at(*values);
             canvas.disc(at, 5.5, theme.chrome().panel);
-            canvas.disc(at, 4.5, theme.ink(*role).color);
+            canvas.disc(at, 4.5, theme.stroke(*role));
         }
     });
     names(&mut canvas, &square, regions, theme);
@@ -77,9 +78,9 @@ pub fn draw(data: Shown<'_>, area: Rect, style: ChartStyle) -> Drawing<Square> {
 /// are left out where none is.
 fn names(canvas: &mut Canvas, square: &Square, regions: &Regions, theme: Theme) {
     let (text, dim) = (Type::text(theme), Type::dim(theme));
-    let mut labels = Labels { area: square.rect, taken: Vec::new() };
+    let mut labels = Labels::new(square.rect);
     let dots = regions.points.iter().map(|(.., values)| square.at(*values));
-    labels.taken.extend(dots.map(|[x, y]| Rect::new([x - 6.0, y - 6.0], [12.0; 2])));
+    dots.for_each(|at| labels.keep_off(Rect::centered(at, [12.0; 2])));
     for (name, role, values) in &regions.points {
         let [x, y] = square.at(*values);
         let size = [text.width(name), 1.2 * text.size];
@@ -103,32 +104,6 @@ fn names(canvas: &mut Canvas, square: &Square, regions: &Regions, theme: Theme) 
         if let Some(at) = labels.place(size, &places) {
             canvas.text(at, (Anchor::Middle, Level::Middle), name, dim);
         }
-    }
-}
-
-/// The room that names have and take.
-struct Labels {
-    area: Rect,
-    taken: Vec<Rect>,
-}
-
-impl Labels {
-    /// Takes the first of the places at which a name of `size`, moved into the area, lies on no other; returns its centre.
-    fn place(&mut self, size: [f32; 2], centers: &[Point]) -> Option<Point> {
-        let Rect { min, max } = self.area;
-        if (0..2).any(|i| size[i] + 4.0 > max[i] - min[i]) {
-            return None;
-        }
-        let inside =
-            |at: &Point| [0, 1].map(|i| at[i].max(min[i] + 2.0 + size[i] / 2.0).min(max[i] - 2.0 - size[i] / 2.0));
-        let rect = |at: &Point| Rect::new([0, 1].map(|i| at[i] - size[i] / 2.0), size);
-        let is_free = |at: &Point| {
-            let own = rect(at);
-            self.taken.iter().all(|other| (0..2).any(|i| own.max[i] <= other.min[i] || other.max[i] <= own.min[i]))
-        };
-        let found = centers.iter().map(inside).find(is_free)?;
-        self.taken.push(rect(&found));
-        Some(found)
     }
 }
 

@@ -1,9 +1,10 @@
 //! A quantity over steps, as lines.
 
+mod direct;
 mod head;
 
 pub use head::head;
-use head::{GAP_LETTERS, ROW, band_color, band_name, figure, names, title};
+use head::{GAP_LETTERS, ROW, band_color, band_name, figure, title};
 use motionscope_core::Role;
 use motionscope_core::scene::{Band, Series};
 
@@ -102,6 +103,8 @@ pub struct Plot {
     rows: usize,
     /// Whether the title has the first of them for itself.
     is_named_below: bool,
+    /// Whether lines and thresholds carry their names.
+    is_direct: bool,
     /// Whether what runs along x shares the row of its numbers.
     is_tight: bool,
     /// Whether the sections are plots of their own, without a common axis of steps.
@@ -129,14 +132,17 @@ pub fn draw(data: Plotted<'_>, area: Rect, style: ChartStyle) -> Drawing<Plot> {
         for (_, role, points) in &series.lines {
             if are_marks(series, *role, points) {
                 let inside = points.iter().filter(|point| plot.beyond(**point).is_none() && plot.shows(point[0]));
-                inside.for_each(|&point| ring(canvas, plot.at(point), theme.word(*role)));
+                inside.for_each(|&point| ring(canvas, plot.at(point), theme.stroke(*role)));
             } else {
                 line(canvas, &plot, (*role, points), (theme, series.chosen));
             }
         }
     });
     for (_, role, points) in &series.lines {
-        clipped(&mut canvas, &plot, points, theme.word(*role));
+        clipped(&mut canvas, &plot, points, theme.stroke(*role));
+    }
+    if plot.is_direct {
+        direct::names(&mut canvas, &plot, series, theme);
     }
     if !has_values(series) {
         let middle = [0, 1].map(|i| (plot.rect.min[i] + plot.rect.max[i]) / 2.0);
@@ -156,9 +162,11 @@ impl Plot {
         let Plotted { series, logarithmic, .. } = data;
         let text = Type::text(theme);
         let small = text.size;
+        let is_direct = direct::has_room(series, area, small);
         // Beside the title there is room for the lines with their values, or they stand below it.
         let value = |entry: &head::Entry| if entry.swatch.is_none() { 3.0 * small } else { 0.0 };
-        let names = names(series, None, theme).iter().map(|entry| entry.width() + value(entry)).sum::<f32>();
+        let names = if is_direct { head::other_names(series, theme) } else { head::names(series, None, theme) };
+        let names = names.iter().map(|entry| entry.width() + value(entry)).sum::<f32>();
         let title = text.width(&title(data, area, small)) + GAP_LETTERS * small;
         let (is_tight, width) = (super::is_tight(area, small), area.size()[0]);
         let most = ((area.size()[1] / small - TIGHTEST) / ROW).clamp(1.0, 4.0) as usize;
@@ -203,6 +211,7 @@ impl Plot {
             small,
             rows,
             is_named_below,
+            is_direct,
             is_tight,
             is_divided: series.columns.is_some() && has_values(series),
         };
@@ -296,7 +305,7 @@ fn bands(canvas: &mut Canvas, plot: &Plot, series: &Series, theme: Theme) {
             canvas.across(ends, place(edge), theme.word(Role::Window).alpha(150));
         }
     }
-    let color = theme.word(Role::Rejected);
+    let color = theme.stroke(Role::Rejected);
     for (_, value) in series.thresholds.iter().filter(|(_, value)| plot.beyond([0.0, *value]).is_none()) {
         let y = place(*value);
         canvas.line(vec![[left, y], [right, y]], false, Stroke { dash: THRESHOLD, ..solid(1.5, color) });
@@ -433,7 +442,7 @@ fn ring(canvas: &mut Canvas, [x, y]: Point, color: Color) {
 /// A line in its role's color, with a disc at its last point, or at the value of x that is set. A best value holds until it is beaten: it goes
 /// in steps.
 fn line(canvas: &mut Canvas, plot: &Plot, (role, points): (Role, &[[f32; 2]]), (theme, chosen): (Theme, Option<f32>)) {
-    let color = theme.word(role);
+    let color = theme.stroke(role);
     let holds = role == Role::Best;
     let ink = theme.ink(role);
     let width = ink.width * if holds { 1.0 } else { 0.6 };

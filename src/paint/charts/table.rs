@@ -89,7 +89,7 @@ impl Table {
             canvas.frame(place(x, y), 1.5, chrome.text);
         });
         for (role, [x, y]) in self.framed.iter().filter(|(_, [x, y])| *x < width && *y < height) {
-            canvas.frame(place(*x, *y).grown(-1.5), 2.0, theme.ink(*role).color);
+            canvas.frame(place(*x, *y).grown(-1.5), 2.0, theme.stroke(*role));
         }
         let size = [room, size[1]];
         let lines = vec![(Rect::new([0.0; 2], size), self.title.clone())];

@@ -307,3 +307,19 @@ fn what_is_not_finite_is_not_drawn() {
     assert_eq!((look.heat, look.lengthen), (None, 1.0));
     assert!(resolve(&scene.marks, &look, Placement::new([0.0; 2], 1.0)).is_empty());
 }
+
+#[test]
+fn a_coasting_track_is_dashed_in_its_box_and_its_trail() {
+    for theme in Theme::ALL {
+        let mut scene = Scene::default();
+        scene.mark_of(3, Picture::CURRENT, Role::Predicted, Shape::pixels(4, 4, 9, 9));
+        let points = vec![[0.0, 0.0], [4.0, 4.0], [9.0, 8.0]];
+        scene.mark_of(3, Picture::CURRENT, Role::Predicted, Shape::Path { points, closed: false });
+        let look = Look::new(&scene, Style { theme, ..Style::default() });
+        let all = resolve(&scene.marks, &look, Placement::new([0.0; 2], 3.0));
+        let lines =
+            all.iter().filter_map(|p| if let Primitive::Polyline { stroke, .. } = p { Some(stroke) } else { None });
+        let own: Vec<_> = lines.filter(|stroke| stroke.color == own_color(3)).collect();
+        assert!(own.len() == 2 && own.iter().all(|stroke| !stroke.dash.is_empty()), "{theme:?}: {own:?}");
+    }
+}

@@ -15,8 +15,8 @@ use crate::paint::charts::relief::standing;
 use crate::ui::app::action::{Action, Actions, Browse};
 use crate::ui::app::camera::Recorder;
 use crate::ui::app::commands::{Granularities, Situation};
-use crate::ui::app::keys;
 use crate::ui::app::present::Presentation;
+use crate::ui::app::{focus, keys};
 use crate::ui::dialogs::{
     camera, compare, find, gallery, lessons, open as open_dialog, palette, save as save_dialog, sheet, terms,
 };
@@ -733,6 +733,9 @@ impl eframe::App for App {
         self.play(&ctx);
         self.measure(&ctx);
         let overlaid = self.is_covered();
+        if !overlaid && self.start.is_none() && !self.presentation.is_blank {
+            focus::travel(&ctx, &self.regions);
+        }
         keys::take(&ctx, overlaid, &self.now(), &mut actions);
         ui.painter().rect_filled(ui.max_rect(), 0.0, ui.visuals().panel_fill);
         match self.start {
@@ -747,6 +750,7 @@ impl eframe::App for App {
         self.previews.settle(&ctx);
         let place = self.place_of_messages(ctx.content_rect());
         self.toasts.show(&ctx, place, self.settings.look.theme);
+        focus::ring(&ctx, self.settings.look.theme);
         self.drop_hint(ui);
         self.show_pointer(&ctx);
         self.show_blank(&ctx);

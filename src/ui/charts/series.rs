@@ -94,7 +94,7 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
             for (role, y) in values(series, x) {
                 let at = plot.at([x, y]).into();
                 if rect.expand(1.0).contains(at) {
-                    painter.circle_stroke(at, 5.0, Stroke::new(2.0, ink::color(subject.theme.word(role))));
+                    painter.circle_stroke(at, 5.0, Stroke::new(2.0, ink::color(subject.theme.stroke(role))));
                 }
             }
             over(&painter, &head(data, &plot, rect_of(area), hovered, subject.style(&painter)));

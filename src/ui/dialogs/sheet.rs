@@ -30,7 +30,8 @@ pub fn shortcuts(ctx: &egui::Context, granularities: &Granularities, theme: Them
             });
         });
         ui.add_space(8.0);
-        ui.label(RichText::new("Esc closes this page.").small().weak());
+        let ways = "Tab goes to the next control, F6 to the next pane, with Shift back. Esc closes this page.";
+        ui.label(RichText::new(ways).small().weak());
         is_closed
     });
     !(modal.should_close() || modal.inner)

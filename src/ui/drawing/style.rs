@@ -156,7 +156,7 @@ fn visuals(theme: Theme) -> egui::Visuals {
     widgets.noninteractive = widget(color(chrome.panel), line, text);
     widgets.inactive = widget(raised, raised, text);
     widgets.hovered = widget(hovered, hovered, text);
-    widgets.active = widget(pressed, accent, text);
+    widgets.active = widget(pressed, pressed, text);
     widgets.open = widget(hovered, hovered, text);
     visuals.weak_text_color = Some(dim);
     visuals.selection.bg_fill = color(chrome.selection);

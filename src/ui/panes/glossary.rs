@@ -1,8 +1,8 @@
-//! Definitions of terms where the pointer is, and what on the stage they stand for.
+//! Definitions of terms where the pointer or the keyboard is, and what on the stage they stand for.
 
 use std::cell::Cell;
 
-use eframe::egui::{Id, PopupAnchor, Rect, Response, RichText, Sense, Shape, Tooltip, Ui, Vec2};
+use eframe::egui::{self, Id, PopupAnchor, Rect, Response, RichText, Sense, Shape, Tooltip, Ui, Vec2, WidgetInfo};
 use motionscope_core::glossary::{Chapter, GLOSSARY, Term, chapters_of, find, in_family, occurrences, role_of};
 use motionscope_core::{Role, Scene, capital};
 
@@ -135,8 +135,15 @@ pub fn sense(ui: &Ui, salt: &str, (links, part): (&[Link], Rect), beside: &Besid
             ui.painter().extend(Shape::dotted_line(&ends, color, 3.0, 0.6));
         }
         let id: Id = ui.scope_id().with(("term", salt, i));
-        let sensed = ui.interact(rect, id, Sense::hover());
-        if !sensed.hovered() {
+        let sensed = match link.meaning {
+            Meaning::Word(term) => {
+                let sensed = ui.interact(rect, id, Sense::focusable_noninteractive());
+                sensed.widget_info(|| WidgetInfo::labeled(egui::Role::Term, true, term.name));
+                sensed
+            }
+            Meaning::Symbol(_) | Meaning::Marks(_) => ui.interact(rect, id, Sense::hover()),
+        };
+        if !sensed.hovered() && !sensed.has_focus() {
             continue;
         }
         // What is lit is told, also of a term within words in the colour of a role.
@@ -159,9 +166,13 @@ pub fn sense(ui: &Ui, salt: &str, (links, part): (&[Link], Rect), beside: &Besid
 /// Highest part whose tooltips stand below all of it, in points.
 const LOW_PART: f32 = 180.0;
 
-/// The tooltip of `sensed` below its whole `part`, which is being read; below itself where that is far away.
+/// The tooltip of `sensed` below its whole `part`, which is being read; below itself where that is far away. It opens at once where
+/// the keyboard is.
 fn below(sensed: &Response, part: Rect) -> Tooltip<'static> {
     let mut tooltip = Tooltip::for_enabled(sensed);
+    if sensed.has_focus() {
+        tooltip.popup = tooltip.popup.open(true);
+    }
     if part.height() <= LOW_PART {
         let over = Rect::from_x_y_ranges(sensed.rect.x_range(), part.y_range());
         tooltip.popup = tooltip.popup.anchor(PopupAnchor::ParentRect(over));

@@ -283,7 +283,9 @@ impl Panes<'_> {
     /// A line between two panes that can be dragged.
     fn border(&mut self, ui: &mut Ui, border: &Border) {
         let is_upright = border.rect.height() > border.rect.width();
-        let sensed = ui.interact(border.rect, ui.scope_id().with(("dragged", border.of)), Sense::click_and_drag());
+        // The mouse alone moves it, so Tab passes it by.
+        let sense = Sense::CLICK | Sense::DRAG;
+        let sensed = ui.interact(border.rect, ui.scope_id().with(("dragged", border.of)), sense);
         let sensed = sensed.on_hover_and_drag_cursor(if is_upright {
             CursorIcon::ResizeHorizontal
         } else {

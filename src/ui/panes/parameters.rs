@@ -863,10 +863,6 @@ fn toggle(ui: &mut Ui, on: bool, theme: Theme) -> Response {
     let off = if theme == Theme::Light { chrome.panel } else { chrome.text };
     let knob = off.mix(chrome.on_accent, how);
     ui.painter().circle_filled(egui::pos2(x, rect.center().y), radius - 3.0, style::color(knob));
-    if response.has_focus() {
-        let stroke = egui::Stroke::new(1.5, style::color(chrome.text));
-        ui.painter().rect_stroke(rect.expand(2.0), radius + 2.0, stroke, egui::StrokeKind::Middle);
-    }
     response
 }
 

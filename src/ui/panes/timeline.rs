@@ -236,9 +236,6 @@ impl Track<'_> {
         let radius = thickness * if lit { 1.7 } else { 1.4 };
         let ring = Stroke::new(2.0, style::color(chrome.panel));
         painter.circle(pos2(x, rail.center().y), radius, style::color(chrome.accent), ring);
-        if response.has_focus() {
-            painter.circle_stroke(pos2(x, rail.center().y), radius + 2.0, Stroke::new(1.0, style::color(chrome.text)));
-        }
     }
 
     /// Gaps in the bar where one ends and the next begins; thinned out where they are too many.
@@ -259,11 +256,11 @@ impl Track<'_> {
                 continue;
             }
             last = x;
-            let seen = *at <= self.at;
-            let ink = style::color(theme.ink(*role).color);
-            let ink = if seen { ink } else { ink.gamma_multiply(0.45) };
+            // Those ahead are shorter.
+            let height = if *at <= self.at { 2.2 } else { 1.6 } * thickness;
             let y = rail.center().y;
-            painter.vline(x, y - 2.2 * thickness..=y - 0.9 * thickness, Stroke::new(2.0, ink));
+            let stroke = Stroke::new(2.0, style::color(theme.stroke(*role)));
+            painter.vline(x, y - height..=y - 0.9 * thickness, stroke);
         }
     }
 

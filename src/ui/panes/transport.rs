@@ -146,9 +146,6 @@ fn play(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     // The triangle's weight lies left of its middle.
     let at = rect.center() + vec2(if playing { 0.0 } else { side * 0.03 }, 0.0);
     ui.painter().text(at, Align2::CENTER_CENTER, char::from(glyph), font, style::color(ink));
-    if response.has_focus() {
-        ui.painter().circle_stroke(rect.center(), side / 2.0 + 2.0, Stroke::new(1.5, style::color(chrome.text)));
-    }
     if tooltip(response, Command::Play, &input.granularities).clicked() {
         actions.command(Command::Play);
     }
@@ -176,9 +173,6 @@ fn play_back(ui: &mut Ui, input: &Input, actions: &mut Actions) {
         let corner = |x: f32, y: f32| rect.center() + vec2(x, y) * side;
         let corners = vec![corner(-0.24, 0.0), corner(0.18, -0.24), corner(0.18, 0.24)];
         ui.painter().add(egui::Shape::convex_polygon(corners, style::color(ink), Stroke::NONE));
-    }
-    if response.has_focus() {
-        ui.painter().rect_stroke(rect, 4.0, Stroke::new(1.5, style::color(chrome.text)), egui::StrokeKind::Inside);
     }
     if tooltip(response, Command::PlayBack, &input.granularities).clicked() {
         actions.command(Command::PlayBack);

@@ -35,8 +35,7 @@ pub fn show(ui: &mut Ui, of: usize, previews: &mut Previews, face: Face) -> egui
     let chrome = face.theme.chrome();
     let lit = response.hovered() || response.has_focus();
     let (fill, edge) = if lit { (chrome.hovered, chrome.accent) } else { (chrome.raised, chrome.line) };
-    let width = if response.has_focus() { 2.0 } else { 1.0 };
-    ui.painter().rect(rect, 8.0, style::color(fill), Stroke::new(width, style::color(edge)), StrokeKind::Inside);
+    ui.painter().rect(rect, 8.0, style::color(fill), Stroke::new(1.0, style::color(edge)), StrokeKind::Inside);
     if ui.is_rect_visible(rect) {
         let ctx = ui.ctx().clone();
         let wish = match (response.hovered(), face.follows_focus && response.has_focus()) {
@@ -50,7 +49,7 @@ pub fn show(ui: &mut Ui, of: usize, previews: &mut Previews, face: Face) -> egui
             let uv = Rect::from_min_max(pos2(0.0, cut.max(0.0)), pos2(1.0, 1.0 - cut.max(0.0)));
             let top = Rect::from_min_size(rect.min, vec2(rect.width(), face.picture));
             let round = CornerRadius { nw: 7, ne: 7, sw: 0, se: 0 };
-            egui::Image::new(texture).uv(uv).corner_radius(round).paint_at(ui, top.shrink(width));
+            egui::Image::new(texture).uv(uv).corner_radius(round).paint_at(ui, top.shrink(1.0));
         }
     }
     let words = widgets::below(rect, face.picture).shrink2(vec2(12.0, 10.0));

@@ -75,9 +75,6 @@ impl Slider<'_> {
         let radius = if lit { radius } else { radius - 1.0 };
         let ring = Stroke::new(2.0, style::color(chrome.panel));
         painter.circle(pos2(x, rect.center().y), radius, style::color(chrome.accent), ring);
-        if response.has_focus() {
-            painter.circle_stroke(pos2(x, rect.center().y), radius + 1.0, Stroke::new(1.5, style::color(chrome.text)));
-        }
     }
 }
 

@@ -320,7 +320,7 @@ impl Items {
         for ((entry, _), place) in self.entries.iter().zip(&places) {
             let at = rect.min + place.to_vec2();
             let swatch = at + vec2(0.0, ((height - ink::SWATCH.y) / 2.0).round());
-            let primitives = legend::swatch(entry.role, entry.sample, self.theme, swatch.into());
+            let primitives = legend::swatch_of(&entry.own, (entry.role, entry.sample), self.theme, swatch.into());
             painter.extend(primitives::shapes(painter, &primitives));
             word(at + vec2(ink::SWATCH.x + GAP, 0.0), &entry.meaning);
         }

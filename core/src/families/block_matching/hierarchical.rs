@@ -428,7 +428,7 @@ impl Estimator for Hierarchical {
         if let Some(Readout::Facts(facts)) = readouts.first_mut() {
             let of = state.levels.len() - 1;
             let value = format!("{} ({of} is the coarsest), {width}×{height} px", state.level);
-            facts.insert(0, Fact { label: "Level", value, role: None });
+            facts.insert(0, Fact::new("Level", value, None));
         }
         readouts.push(Readout::Stack(self.stack(seen, &probe)));
         Step { line, sentence, readouts }

@@ -143,8 +143,8 @@ impl Model for Clg {
         Explanation {
             sentence,
             facts: vec![
-                Fact { label: "T_xx, T_xy, T_yy", value: format!("{xx}, {xy}, {yy}"), role: None },
-                Fact { label: "T_xt, T_yt", value: format!("{xt}, {yt}"), role: None },
+                Fact::new("T_xx, T_xy, T_yy", format!("{xx}, {xy}, {yy}"), None),
+                Fact::new("T_xt, T_yt", format!("{xt}, {yt}"), None),
             ],
             equation,
             points,

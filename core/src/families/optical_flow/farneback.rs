@@ -345,7 +345,7 @@ impl Farneback {
 
     fn facts(&self, seen: &Seen<Self>, probe: &Probe) -> Vec<Fact> {
         let state = seen.before;
-        let fact = |label, value, role| Fact { label, value, role };
+        let fact = |label, value: String, role| Fact::new(label, value, role);
         let px = |uv: [f32; 2]| format!("{} {}", numbers::vector(uv), probe.unit());
         let (width, height) = state.frames.size(probe.level);
         let of = state.frames.count() - 1;

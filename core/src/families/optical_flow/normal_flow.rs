@@ -296,7 +296,7 @@ impl NormalFlow {
         let factors = derivatives.at(pixel);
         let truth = frame_pair.true_displacement(pixel);
         let is_known = found[0].is_finite();
-        let fact = |label, value, role| Fact { label, value, role };
+        let fact = |label, value: String, role| Fact::new(label, value, role);
         let mut facts = vec![
             fact("Pixel", words::pixel(pixel), Some(Role::Reference)),
             derivatives.fact(pixel),

@@ -565,7 +565,7 @@ impl PyramidalLucasKanade {
 
     fn readouts(&self, seen: &Seen<Self>, probe: Option<&Probe>) -> Vec<Readout> {
         let (fixed, count) = (&seen.before.fixed, seen.before.fixed.points.len());
-        let fact = |label, value: String, role| Fact { label, value, role };
+        let fact = |label, value: String, role| Fact::new(label, value, role);
         let Some(probe) = probe else {
             let points = || vec![Readout::Facts(vec![fact("Points", count.to_string(), None)])];
             return if seen.events.is_empty() { Vec::new() } else { points() };

@@ -224,7 +224,7 @@ impl Pixel {
     }
 
     fn facts(&self, step: usize) -> Vec<Fact> {
-        let fact = |label, value, role| Fact { label, value, role };
+        let fact = |label, value: String, role| Fact::new(label, value, role);
         let case = match self.step {
             _ if self.is_flat => "no constraint",
             step if step == self.whole => "step to the constraint line",

@@ -145,36 +145,36 @@ impl Probe<'_> {
     fn facts(&self) -> Vec<Fact> {
         let block = self.block();
         let mut facts = vec![
-            Fact {
-                label: "Block",
-                value: format!(
+            Fact::new(
+                "Block",
+                format!(
                     "{} of {}, at ({}, {})",
                     grouped(self.index + 1),
                     grouped(self.pair.blocks.len()),
                     block.x,
                     block.y
                 ),
-                role: Some(Role::Reference),
-            },
-            Fact { label: "Tested", value: self.counted(), role: None },
+                Some(Role::Reference),
+            ),
+            Fact::new("Tested", self.counted(), None),
         ];
         let of = |found: Match| format!("{} px, {}", vector(found.vector()), self.cost_of(found));
         let at_least = |found: Match| format!("{} px, {}", vector(found.vector()), self.settings.bound(found.cost));
         if let Some(Event::Skipped { skipped, .. }) = self.events.last() {
             let bound = Match::whole(skipped.displacement, self.bound_of(skipped));
-            facts.push(Fact { label: "Candidate", value: at_least(bound), role: Some(Role::Candidate) });
+            facts.push(Fact::new("Candidate", at_least(bound), Some(Role::Candidate)));
         } else if let Some((candidate, rows)) = self.at_hand() {
             let value = if rows < block.height { at_least(candidate) } else { of(candidate) };
-            facts.push(Fact { label: "Candidate", value, role: Some(Role::Candidate) });
+            facts.push(Fact::new("Candidate", value, Some(Role::Candidate)));
         }
         if self.skipped_here() > 0 {
             let value = counted_share(self.skipped_here(), self.window.count());
-            facts.push(Fact { label: "Skipped", value, role: None });
+            facts.push(Fact::new("Skipped", value, None));
         }
         if let Some(best) = self.best() {
             let label = if self.is_over() { "Displacement" } else { "Best so far" };
             let role = if self.is_over() { Role::Result } else { Role::Best };
-            facts.push(Fact { label, value: of(best), role: Some(role) });
+            facts.push(Fact::new(label, of(best), Some(role)));
         }
         facts
     }

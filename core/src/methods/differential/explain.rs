@@ -214,7 +214,7 @@ fn derivatives_fact(derivatives: [f32; 3]) -> Fact {
     let [x, y, t] = derivatives.map(gray);
     let is_known = derivatives.iter().all(|d| d.is_finite());
     let value = if is_known { format!("{x}, {y}, {t}") } else { "unknown: the flow leads out of frame t+1".into() };
-    Fact { label: "I_x, I_y, I_t", value, role: None }
+    Fact::new("I_x, I_y, I_t", value, None)
 }
 
 fn derivative_tiles(pictures: [(&'static str, Grid<f32>); 2], [x, y, t]: [Grid<f32>; 3]) -> Vec<Tile> {

@@ -76,7 +76,7 @@ impl<M: Measure> Corners<M> {
             probe => (at_work, self.concluded(seen, self.sentence(seen, *last, probe.as_ref()))),
         };
         let readouts = probe.map_or_else(
-            || vec![Readout::Facts(vec![Fact { label: "Local maxima", value: "none".into(), role: None }])],
+            || vec![Readout::Facts(vec![Fact::new("Local maxima", "none", None)])],
             |probe| self.readouts(seen, &probe),
         );
         Step { line, sentence, readouts }
@@ -189,7 +189,7 @@ impl<M: Measure> Corners<M> {
 
     fn readouts(&self, seen: &Seen<Self>, probe: &Probe) -> Vec<Readout> {
         let (state, Probe { place, tensor, response, .. }) = (seen.before, probe);
-        let fact = |label, value: String, role| Fact { label, value, role };
+        let fact = |label, value: String, role| Fact::new(label, value, role);
         let [large, small] = tensor.eigenvalues().map(numbers::response);
         let Tensor { xx, xy, yy, .. } = *tensor;
         let [a, b, c] = [xx, xy, yy].map(numbers::response);

@@ -170,7 +170,7 @@ impl LevelTrace<'_> {
 
     /// Returns the facts of this level.
     pub fn facts(&self) -> Vec<Fact> {
-        let fact = |label, value: String, role| Fact { label, value, role };
+        let fact = |label, value: String, role| Fact::new(label, value, role);
         let mut facts = vec![
             fact("Level", format!("{} ({} is the coarsest)", self.level, self.pyramids[0].len() - 1), None),
             fact("Initial guess", self.px(self.guess), Some(Role::Predicted)),

@@ -77,7 +77,8 @@ pub fn segment_facts(frame: &SegmentFrame) -> Vec<Fact> {
     let mut all: Vec<&Segment> = frame.segments.iter().collect();
     all.sort_by_key(|segment| std::cmp::Reverse(segment.area));
     let fact = |segment: &&Segment| {
-        Fact::new("Segment", format!("{}: {}", segment.label, segment.described()), Some(Role::Result))
+        let words = format!("{}: {}", segment.label, segment.described());
+        Fact::new("Segment", words, Some(Role::Result)).of(segment.label)
     };
     let mut facts = vec![Fact::new("Segments", frame.segments.len().to_string(), None)];
     facts.extend(all.iter().take(LISTED).map(fact));

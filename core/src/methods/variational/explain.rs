@@ -136,7 +136,7 @@ impl<M: Model> Variational<M> {
 
     fn facts(&self, seen: &Seen<Self>, probe: Option<(&Probe<M>, Vec<Fact>)>) -> Vec<Fact> {
         let state = seen.before;
-        let fact = |label, value, role| Fact { label, value, role };
+        let fact = |label, value: String, role| Fact::new(label, value, role);
         let (width, height) = state.fixed.frames.size(state.level);
         let of = state.fixed.frames.count() - 1;
         let mut facts = vec![

@@ -248,7 +248,7 @@ impl Relief {
 
     /// A needle that can be seen above the surface, and a ball on the surface.
     fn pin(&mut self, bench: &Bench, Pin { role, at, cost, top }: Pin, theme: Theme) {
-        let color = theme.ink(role).color.0;
+        let color = theme.stroke(role).0;
         let foot = bench.place(at, cost);
         let [needle, ball] = pin_radii(role, theme);
         self.needle(foot, top, needle, color);

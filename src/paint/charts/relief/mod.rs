@@ -239,10 +239,10 @@ impl Stand {
             .collect();
         for &(role, _, [low, high]) in &all {
             // Seen faintly through what stands before it.
-            let ink = self.theme.ink(role);
-            canvas.line(vec![low, high], false, solid(ink.width.min(2.0), ink.color.alpha(140)));
+            let (ink, color) = (self.theme.ink(role), self.theme.stroke(role).alpha(140));
+            canvas.line(vec![low, high], false, solid(ink.width.min(2.0), color));
             canvas.disc(low, 4.5, ink.halo.alpha(140));
-            canvas.disc(low, 4.0, ink.color.alpha(140));
+            canvas.disc(low, 4.0, color);
         }
         let style = Type::text(self.theme).face(Face::Bold);
         for &(role, cost, [_, head]) in &all {

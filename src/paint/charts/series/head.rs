@@ -12,8 +12,8 @@ use crate::paint::{Color, Theme, number};
 /// Words above a plot, with the color that they explain if it is no line.
 #[derive(Clone)]
 pub(super) struct Entry {
-    words: String,
-    style: Type,
+    pub(super) words: String,
+    pub(super) style: Type,
     pub(super) swatch: Option<Swatch>,
 }
 
@@ -49,11 +49,14 @@ pub fn head(data: Plotted<'_>, plot: &Plot, area: Rect, pointed: Option<f32>, st
     let pointed = pointed.and_then(|x| nearest(series, x));
     let title = Entry::new(title(data, area, small), text);
     let here = pointed.map(|x| Entry::new(format!("{} {}", series.x_label, number(x)), text));
-    let names = here.iter().cloned().chain(names(series, pointed.or(series.now()), theme));
+    let at_hand = pointed.or(series.now());
+    let names =
+        if plot.is_direct && pointed.is_none() { other_names(series, theme) } else { names(series, at_hand, theme) };
+    let names = here.iter().cloned().chain(names);
     let is_beyond = |point: &[f32; 2]| plot.shows(point[0]) && plot.beyond(*point).is_some();
     let beyond = series.lines.iter().find(|(.., points)| points.iter().any(is_beyond));
     let names = names.chain(beyond.map(|(_, role, _)| Entry {
-        swatch: Some(Swatch::Beyond(theme.word(*role))),
+        swatch: Some(Swatch::Beyond(theme.stroke(*role))),
         ..Entry::new("beyond the axis", text.color(theme.chrome().dim))
     }));
     let mut rows: Vec<Vec<Entry>> = Vec::new();
@@ -79,22 +82,43 @@ pub fn head(data: Plotted<'_>, plot: &Plot, area: Rect, pointed: Option<f32>, st
 
 /// The names of lines with their values at `x`, of bands and of thresholds.
 pub(super) fn names(series: &Series, x: Option<f32>, theme: Theme) -> Vec<Entry> {
-    let (text, chrome) = (Type::text(theme), theme.chrome());
-    let lines = series.lines.iter().map(|(name, role, points)| {
-        let value = x.and_then(|x| value(*role, points, x));
-        let value = value.map_or_else(String::new, |value| format!(" {}", figure(series, value)));
-        let swatch = are_marks(series, *role, points).then(|| Swatch::Ring(theme.word(*role)));
-        Entry { swatch, ..Entry::new(format!("{name}{value}"), text.color(theme.word(*role))) }
+    let lines = series.lines.iter().map(|line| line_name(series, line, x, theme));
+    let thresholds = series.thresholds.iter().map(|threshold| Entry {
+        swatch: Some(Swatch::Threshold(theme.stroke(Role::Rejected))),
+        ..threshold_name(series, threshold, theme)
     });
-    let bands = series.bands.iter().map(|band| Entry {
+    lines.chain(bands(series, theme)).chain(thresholds).collect()
+}
+
+/// The names of what does not carry its own where lines and thresholds do: of marked values and of bands.
+pub(super) fn other_names(series: &Series, theme: Theme) -> Vec<Entry> {
+    let marks = series.lines.iter().filter(|(_, role, points)| are_marks(series, *role, points));
+    marks.map(|line| line_name(series, line, None, theme)).chain(bands(series, theme)).collect()
+}
+
+/// The name of a line with its value at `x`, or of the values that are marked.
+pub(super) fn line_name(
+    series: &Series,
+    (name, role, points): &(&str, Role, Vec<[f32; 2]>),
+    x: Option<f32>,
+    theme: Theme,
+) -> Entry {
+    let value = x.and_then(|x| value(*role, points, x));
+    let value = value.map_or_else(String::new, |value| format!(" {}", figure(series, value)));
+    let swatch = are_marks(series, *role, points).then(|| Swatch::Ring(theme.stroke(*role)));
+    Entry { swatch, ..Entry::new(format!("{name}{value}"), Type::text(theme).color(theme.word(*role))) }
+}
+
+/// The name of a threshold with its value.
+pub(super) fn threshold_name(series: &Series, (name, value): &(String, f32), theme: Theme) -> Entry {
+    Entry::new(format!("{name} {}", figure(series, *value)), Type::dim(theme))
+}
+
+fn bands(series: &Series, theme: Theme) -> impl Iterator<Item = Entry> {
+    series.bands.iter().map(move |band| Entry {
         swatch: Some(Swatch::Band(band_color(theme))),
-        ..Entry::new(band_name(band), text.color(chrome.dim))
-    });
-    let thresholds = series.thresholds.iter().map(|(name, value)| Entry {
-        swatch: Some(Swatch::Threshold(theme.word(Role::Rejected))),
-        ..Entry::new(format!("{name} {}", figure(series, *value)), text.color(chrome.dim))
-    });
-    lines.chain(bands).chain(thresholds).collect()
+        ..Entry::new(band_name(band), Type::dim(theme))
+    })
 }
 
 /// A value in words, with the decimals of its quantity.

@@ -291,3 +291,43 @@ fn a_stretch_far_from_the_first_step_begins_where_its_data_do() {
     series.x_max = 540;
     assert_eq!(plot(&series).whole.x, [501.0, 540.0]);
 }
+
+/// The texts inside the axes, with what they cover.
+fn inside(drawing: Drawing<Plot>) -> Vec<(String, Rect)> {
+    let plot = drawing.place.rect;
+    let words = flat(drawing).into_iter().filter_map(|p| if let Primitive::Text(line) = p { Some(line) } else { None });
+    let told = words.map(|line| (line.runs[0].text.clone(), super::super::canvas::covered(&line)));
+    told.filter(|(_, rect)| plot.contains(rect.center())).collect()
+}
+
+#[test]
+fn few_lines_carry_their_names_where_there_is_room() {
+    let few = series(10);
+    let named =
+        |series: &Series, area: [f32; 2]| inside(draw(plotted(series, false), Rect::new([0.0; 2], area), style()));
+    let found = named(&few, [500.0, 300.0]);
+    let names: Vec<_> = found.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["candidate 870", "best so far 511"]);
+    assert!(!found[0].1.meets(&found[1].1), "{found:?}");
+    assert!(named(&few, [200.0, 300.0]).is_empty() && named(&few, [500.0, 160.0]).is_empty(), "too small");
+    let line = || few.lines[0].clone();
+    let many = Series { lines: (0..5).map(|_| line()).collect(), ..series(10) };
+    assert!(named(&many, [500.0, 300.0]).is_empty(), "five lines keep their legend");
+}
+
+#[test]
+fn a_name_at_a_line_is_not_in_the_legend_as_well() {
+    let series = consistency();
+    let area = Rect::new([0.0; 2], [700.0, 300.0]);
+    let drawing = draw(plotted(&series, false), area, style());
+    let (plot, head_words) = (drawing.place.clone(), texts(&drawing.head));
+    let names = inside(drawing);
+    assert!(["NIS 1", "99 % gate 9.21"].iter().all(|name| names.iter().any(|(found, _)| found == name)), "{names:?}");
+    assert!(
+        head_words.iter().any(|word| word == "outside the gate")
+            && !head_words.iter().any(|word| word.starts_with("99"))
+    );
+    let gate = plot.at([0.0, 9.21])[1];
+    let (_, rect) = names.iter().find(|(name, _)| name.starts_with("99")).expect("it is named");
+    assert!(rect.max[1] - 3.0 <= gate || rect.min[1] + 3.0 >= gate, "{rect:?} on {gate}");
+}

@@ -191,7 +191,7 @@ impl LucasKanade {
 
     fn facts(&self, seen: &Seen<Self>, probe: &Probe) -> Vec<Fact> {
         let Probe { pixel, linear, tensor, solution, spread } = probe;
-        let fact = |label, value, role| Fact { label, value, role };
+        let fact = |label, value: String, role| Fact::new(label, value, role);
         let mut facts = vec![fact("Pixel", words::pixel(*pixel), Some(Role::Reference)), linear.fact(*pixel)];
         if seen.before.iteration > 0 {
             facts.push(fact("Linearised at (u₀, v₀)", px(linear.start.at(pixel.0, pixel.1)), Some(Role::Best)));
