@@ -2,6 +2,8 @@
 
 #[path = "window/camera.rs"]
 mod camera;
+#[path = "window/chooser.rs"]
+mod chooser;
 #[path = "window/compare.rs"]
 mod compare;
 #[path = "window/every.rs"]

@@ -8,6 +8,7 @@ pub mod live;
 pub mod pixel;
 pub mod side_by_side;
 pub mod source;
+pub mod suitability;
 pub mod sweeps;
 
 use std::sync::Arc;

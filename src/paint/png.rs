@@ -23,23 +23,26 @@ const STRIP: u32 = 128;
 /// If the picture would be too large.
 pub fn export_png(figure: &Figure, scale: u32) -> Result<Vec<u8>, Error> {
     let size = fitting_size(figure, scale)?;
-    paint(figure, scale, size)
-        .map_err(|reason| Error::new(format!("the picture of {}×{} px could not be made: {reason}", size.0, size.1)))
+    paint(figure, scale, size).map_err(|reason| failed(size, &reason))
 }
 
-/// The pixels of `figure`, as in a PNG file.
+fn failed((width, height): (u32, u32), reason: &str) -> Error {
+    Error::new(format!("the picture of {width}×{height} px could not be made: {reason}"))
+}
+
+/// `figure` as pixels, `scale` of them to the point: the same as [`export_png`] writes.
 ///
 /// # Errors
 /// If the picture would be too large.
 pub fn pixels(figure: &Figure, scale: u32) -> Result<Grid<[u8; 3]>, Error> {
-    let (width, height) = fitting_size(figure, scale)?;
-    let mut pixels = Vec::new();
-    let add = |rows: &[u8]| {
-        pixels.extend(rows.chunks_exact(3).map(|pixel| [pixel[0], pixel[1], pixel[2]]));
+    let size = fitting_size(figure, scale)?;
+    let mut cells = Vec::new();
+    let push = |rows: &[u8]| {
+        cells.extend(rows.as_chunks().0);
         Ok(())
     };
-    strips(figure, scale, height, add).map_err(Error::new)?;
-    Grid::from_vec(width as usize, height as usize, pixels)
+    strips(figure, scale, size.1, push).map_err(|reason| failed(size, &reason))?;
+    Grid::from_vec(size.0 as usize, size.1 as usize, cells)
 }
 
 /// Width and height in px, if they are sane.

@@ -50,6 +50,14 @@ impl Rendering<'_> {
         self.encode_with(format, scale, None)
     }
 
+    /// Returns the pixels of the picture as a PNG of this scale has them.
+    ///
+    /// # Errors
+    /// As [`Rendering::encode`].
+    pub fn pixels(&self, scale: u32) -> Result<Grid<[u8; 3]>, Error> {
+        paint::pixels(&self.picture(scale, None), scale)
+    }
+
     /// Encodes one of several pictures whose sheets share a `layout`, made by the first of them.
     ///
     /// # Errors
@@ -73,14 +81,6 @@ impl Rendering<'_> {
         around: impl FnOnce(Figure) -> Figure,
     ) -> Result<Vec<u8>, Error> {
         self.encoded(format, scale, |scale| around(self.picture(scale, None)))
-    }
-
-    /// Returns the pixels of the picture, `scale` for each pixel of the clip.
-    ///
-    /// # Errors
-    /// As [`Rendering::encode`].
-    pub fn pixels(&self, scale: u32) -> Result<Grid<[u8; 3]>, Error> {
-        paint::pixels(&self.picture(scale, None), scale)
     }
 
     /// Encodes the figure that is made for a scale of marks.

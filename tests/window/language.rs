@@ -115,6 +115,7 @@ fn the_window_speaks_as_the_field_does() {
     let dialogs = [
         Command::Open,
         Command::StartPage,
+        Command::Estimators,
         Command::SearchText,
         Command::Samples,
         Command::SaveClip,

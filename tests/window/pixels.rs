@@ -343,16 +343,3 @@ fn a_flow_is_compared_with_its_kin_and_copied_for_a_spreadsheet() {
         "{copied}"
     );
 }
-
-#[test]
-fn every_estimator_is_in_sight_in_the_list() {
-    let size = vec2(1600.0, 1000.0);
-    let mut window = Window::new(size);
-    let name = |window: &Window| window.app().document().estimator().info().name;
-    window.click(&format!("Estimator: {}", name(&window)));
-    for estimator in motionscope_core::estimators() {
-        let rects = window.harness.query_all_by_label(estimator.info().name).map(|node| node.rect());
-        let inside = rects.filter(|rect| rect.min.y > 0.0 && rect.max.y < size.y).count();
-        assert!(inside > 0, "{} is out of sight", estimator.info().name);
-    }
-}

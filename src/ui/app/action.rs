@@ -78,6 +78,8 @@ pub enum Action {
     CancelWriting,
     /// Choose the estimator of this id.
     Choose(&'static str),
+    /// Show the estimators that can be added to the lockstep.
+    ChooseBeside,
     /// Go to the first block whose global minimum an estimator of a comparison missed.
     Visit(Arc<Row>),
     /// Run these estimators in lockstep.

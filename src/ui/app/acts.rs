@@ -11,8 +11,9 @@ use crate::paint::{FlowLayer, Phase, Theme, View};
 use crate::ui::app::action::Action;
 use crate::ui::app::commands::{Command, Menu};
 use crate::ui::app::window::{App, Overlay};
+use crate::ui::dialogs::chooser::Purpose;
 use crate::ui::dialogs::save::Kind;
-use crate::ui::dialogs::{compare, find, lessons, open as open_dialog, palette, terms};
+use crate::ui::dialogs::{chooser, compare, find, lessons, open as open_dialog, palette, terms};
 use crate::ui::drawing::style::ZOOM;
 use crate::ui::model::document::Owner;
 use crate::ui::model::snapshot::Place;
@@ -35,6 +36,7 @@ impl App {
             Action::Type(Command::SearchText, text, is_entered) => {
                 self.overlay = Overlay::Find(find::State::asking(text, is_entered));
             }
+            Action::Type(Command::Estimators, text, is_entered) => self.open_chooser(text, is_entered),
             Action::Type(_, text, _) => self.overlay = Overlay::Open(Box::new(open_dialog::State::asking(text))),
             Action::OpenSample(sample) => self.open_sample(sample),
             Action::OpenExample(id, example) => self.open_example(id, example),
@@ -51,6 +53,10 @@ impl App {
                     self.leave_start();
                 }
                 self.choose(id);
+            }
+            Action::ChooseBeside => {
+                let state = chooser::State::new(&self.document, Purpose::Beside, "", false);
+                self.overlay = Overlay::Chooser(Box::new(state));
             }
             Action::Visit(row) => self.visit(&row),
             Action::Lockstep(ids) => self.lockstep(&ids),
@@ -141,6 +147,7 @@ impl App {
             }
             C::Lockstep => self.toggle_lockstep(),
             C::StartPage => self.toggle_start(),
+            C::Estimators => self.open_chooser(String::new(), false),
             C::SearchText => self.overlay = Overlay::Find(find::State::default()),
             C::BackToPage => self.back_to_page(),
             C::Samples => self.overlay = Overlay::Samples,
@@ -390,6 +397,13 @@ impl App {
         let all = self.charts();
         let (count, alternate) = (self.arranged.charts.len().max(1), self.arranged.alternates);
         self.settings.charts.turn(&all, count, (is_back, alternate));
+    }
+
+    /// Opens the chooser with `query` typed in it; at the start page a choice opens an example.
+    fn open_chooser(&mut self, query: String, is_entered: bool) {
+        let purpose = if self.is_at_start() { Purpose::Example } else { Purpose::Run };
+        let state = chooser::State::new(&self.document, purpose, query, is_entered);
+        self.overlay = Overlay::Chooser(Box::new(state));
     }
 
     pub(super) fn choose(&mut self, id: &str) {

@@ -69,6 +69,8 @@ commands! {
     SaveClip,
     /// Close the window.
     Quit,
+    /// Choose the estimator.
+    Estimators,
     /// Undo the last change of a parameter.
     Undo,
     /// Redo the change that was undone last.
@@ -503,7 +505,7 @@ impl Command {
             C::NextLayer => now.has_run && now.available.has_colors(),
             C::Streaks | C::LockScale => now.has_run && now.available.has_field(),
             C::Layer(_) => now.has_run && self.layer().is_some_and(|layer| now.available.why_never(layer).is_none()),
-            C::StartPage | C::SearchText => true,
+            C::StartPage | C::SearchText | C::Estimators => true,
             C::BackToPage => now.has_trail,
             C::Open | C::PastePath | C::Samples | C::Camera | C::NextExample | C::Lessons | C::Quit => true,
             C::CloseLesson => now.in_lesson,

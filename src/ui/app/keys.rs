@@ -137,7 +137,7 @@ struct Opening {
 impl Opening {
     /// The field that `command` opens, if it opens one that waits for text.
     fn of(command: Command) -> Option<Self> {
-        matches!(command, Command::Palette | Command::SearchText | Command::Open).then(|| Self {
+        matches!(command, Command::Palette | Command::SearchText | Command::Estimators | Command::Open).then(|| Self {
             command,
             typed: String::new(),
             is_entered: false,

@@ -18,7 +18,7 @@ use crate::ui::app::commands::{Granularities, Situation};
 use crate::ui::app::present::Presentation;
 use crate::ui::app::{focus, keys};
 use crate::ui::dialogs::{
-    camera, compare, find, gallery, lessons, open as open_dialog, palette, save as save_dialog, sheet, terms,
+    camera, chooser, compare, find, gallery, lessons, open as open_dialog, palette, save as save_dialog, sheet, terms,
 };
 use crate::ui::drawing::style::{self, ZOOM};
 use crate::ui::model::document::{Document, Owner};
@@ -49,6 +49,8 @@ pub(super) enum Overlay {
     None,
     /// The command palette.
     Palette(palette::State),
+    /// The estimators.
+    Chooser(Box<chooser::State>),
     /// The search over all texts.
     Find(find::State),
     /// The terms of the course.
@@ -261,11 +263,17 @@ impl App {
     pub fn is_settled(&self) -> bool {
         let pictured = match &self.overlay {
             Overlay::Samples => self.previews.is_complete(),
+            Overlay::Chooser(_) => self.previews.steps.is_complete(),
             Overlay::Compare(state) => state.is_settled(),
             Overlay::Save(state) => state.is_settled(),
-            _ => self.start.is_none() || self.previews.is_complete(),
+            _ => self.start.is_none() || self.previews.is_complete() && self.previews.steps.is_complete(),
         };
         pictured && self.loading.is_none() && self.writing.is_none() && !self.view.busy && !self.view.checking
+    }
+
+    /// Whether there is a picture of a step of the estimator `id`.
+    pub fn has_picture_of(&self, id: &str) -> bool {
+        self.previews.steps.has(id)
     }
 
     /// Where everything lay in the last frame, in points.
@@ -668,6 +676,7 @@ impl App {
                 actions.0.extend(chosen);
                 open
             }
+            Overlay::Chooser(state) => chooser::show(ctx, state, &mut self.previews.steps, theme, actions),
             Overlay::Find(state) => find::show(ctx, state, theme, actions),
             Overlay::Glossary(state) => terms::show(ctx, state),
             Overlay::Shortcuts => sheet::shortcuts(ctx, &self.granularities(), theme),

@@ -1,5 +1,59 @@
 //! Finds what a few letters mean.
 
+/// What something is found by.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Words<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Its name in scripts, or its menu.
+    pub also: &'a str,
+    /// The kind of thing that it is, such as its family.
+    pub kind: &'a str,
+    /// What people call it who do not know its name.
+    pub tags: &'a str,
+    /// What it is about.
+    pub about: &'a str,
+}
+
+/// Where the words of a query begin words, then the score of their letters; the larger, the better.
+pub type Rank = (Place, i32);
+
+/// Where every word of a query begins a word, from the worst to the best.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Place {
+    /// Nowhere: its letters are strewn over a name.
+    Strewn,
+    /// In everything together.
+    About,
+    /// In what people call it.
+    Tags,
+    /// In the name together with the kind, and the menu or the name for scripts.
+    Beside,
+    /// In the name.
+    Name,
+    /// The name begins with it.
+    Begins,
+}
+
+/// How well `query` fits what has these words; `None` if it does not.
+pub fn rank(query: &str, Words { name, also, kind, tags, about }: Words<'_>) -> Option<Rank> {
+    // A match in the kind ranks below one in the name.
+    let of_kind = score(query, &format!("{kind} {also}")).map(|score| score - 100);
+    let score = score(query, name).max(of_kind);
+    let beside = format!("{name} {kind} {also}");
+    // The kind of thing comes before its own name.
+    let own = name.split_once(": ").map_or(name, |(_, own)| own);
+    let place = match () {
+        () if begins(query, own) || begins(query, also) => Place::Begins,
+        () if mentions(query, name) => Place::Name,
+        () if mentions(query, &beside) => Place::Beside,
+        () if mentions(query, tags) => Place::Tags,
+        () if mentions(query, &format!("{beside} {tags} {about}")) => Place::About,
+        () => return Some((Place::Strewn, score?)),
+    };
+    Some((place, score.unwrap_or_default()))
+}
+
 /// How well `query` fits `text`: larger is better, `None` if its letters do not occur in order.
 ///
 /// Letters at the start of a word and letters in a row count most.
@@ -16,7 +70,7 @@ pub fn score(query: &str, text: &str) -> Option<i32> {
 }
 
 /// Whether every word of `query` begins a word of `text`: `pyramid` is what a text about pyramids is about.
-pub fn mentions(query: &str, text: &str) -> bool {
+fn mentions(query: &str, text: &str) -> bool {
     let (query, text) = (plain(query), plain(text));
     let begins = |word: &str| {
         text.match_indices(word).any(|(at, _)| !text[..at].chars().next_back().is_some_and(char::is_alphanumeric))
@@ -25,7 +79,7 @@ pub fn mentions(query: &str, text: &str) -> bool {
 }
 
 /// Whether `text` begins with `query`.
-pub fn begins(query: &str, text: &str) -> bool {
+fn begins(query: &str, text: &str) -> bool {
     let query = plain(query.trim());
     !query.is_empty() && plain(text).starts_with(&query)
 }

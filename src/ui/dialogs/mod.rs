@@ -1,6 +1,7 @@
 //! What opens over the panes.
 
 pub mod camera;
+pub mod chooser;
 pub mod compare;
 pub mod find;
 pub mod fuzzy;

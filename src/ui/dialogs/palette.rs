@@ -8,11 +8,11 @@ use eframe::egui::{
     WidgetInfo, vec2,
 };
 use lucide_icons::Icon;
-use motionscope_core::examples::{self, Cause};
+use motionscope_core::examples::{self, Cause, Example};
 use motionscope_core::params::Kind;
 use motionscope_core::{AnyEstimator, estimators, synth};
 
-use super::fuzzy;
+use super::fuzzy::{self, Rank, Words};
 use crate::paint::{FlowLayer, Theme};
 use crate::search::Target;
 use crate::session::lesson::{self, Address};
@@ -45,6 +45,8 @@ struct Entry {
     tip: String,
     /// What it is called in scripts.
     also: &'static str,
+    /// What people call it who do not know its name.
+    tags: &'static str,
     /// What it is about: words that count less than names.
     about: String,
     keys: String,
@@ -149,41 +151,10 @@ fn found(query: &str, input: &Input) -> Vec<Entry> {
     ranked.into_iter().map(|(_, entry)| entry).chain(in_texts(query)).collect()
 }
 
-/// Where the words of a query begin words, then the score of their letters; the larger, the better.
-type Rank = (Place, i32);
-
-/// Where every word of a query begins a word, from the worst to the best.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Place {
-    /// Nowhere: its letters are strewn over a name.
-    Strewn,
-    /// In the name and the description together.
-    About,
-    /// In the name together with the menu, the family, or the name for scripts.
-    Beside,
-    /// In the name.
-    Name,
-    /// The name begins with it.
-    Begins,
-}
-
 /// How well an entry fits; `None` if it does not.
 fn rank(query: &str, entry: &Entry) -> Option<Rank> {
-    let Entry { text, tip, also, about, .. } = entry;
-    // A match in the description ranks below one in the name.
-    let of = fuzzy::score(query, &format!("{tip} {also}")).map(|score| score - 100);
-    let score = fuzzy::score(query, text).max(of);
-    let beside = format!("{text} {tip} {also}");
-    // The kind of thing comes before its own name.
-    let own = text.split_once(": ").map_or(text.as_str(), |(_, name)| name);
-    let place = match () {
-        () if fuzzy::begins(query, own) || fuzzy::begins(query, also) => Place::Begins,
-        () if fuzzy::mentions(query, text) => Place::Name,
-        () if fuzzy::mentions(query, &beside) => Place::Beside,
-        () if fuzzy::mentions(query, &format!("{beside} {about}")) => Place::About,
-        () => return Some((Place::Strewn, score?)),
-    };
-    Some((place, score.unwrap_or_default()))
+    let Entry { text, tip, also, tags, about, .. } = entry;
+    fuzzy::rank(query, Words { name: text, also, kind: tip, tags, about })
 }
 
 /// The search of all texts for `query`, behind everything that is called so.
@@ -193,7 +164,7 @@ fn in_texts(query: &str) -> Option<Entry> {
     let text = format!("Search all texts for “{}”", query.trim());
     let (tip, about, keys) = (String::new(), String::new(), command.key());
     let is_asked = !query.trim().is_empty();
-    is_asked.then(|| Entry { icon: command.info().icon, text, tip, also: "", about, keys, action })
+    is_asked.then(|| Entry { icon: command.info().icon, text, tip, also: "", tags: "", about, keys, action })
 }
 
 /// Words that people look for and that no name has.
@@ -221,6 +192,8 @@ fn tags(command: Command) -> &'static str {
         }
         C::Lecture | C::FullScreen => "presentation projector beamer class",
         C::ReducedMotion => "animation accessibility settings preferences options",
+        C::ShowParameters => "settings preferences options sliders values",
+        C::Estimators => "method algorithm choose family list",
         C::Compare | C::Lockstep => "side by side table benchmark versus",
         C::Play | C::PlayBack | C::Slower | C::Faster => "speed animate pause reverse",
         C::NextFrame | C::PreviousFrame => "pair time",
@@ -238,7 +211,7 @@ fn tags(command: Command) -> &'static str {
 }
 
 /// What an estimator is about: what it does, how, and what can be set.
-fn about(estimator: &dyn AnyEstimator) -> String {
+pub(super) fn about(estimator: &dyn AnyEstimator) -> String {
     let info = estimator.info();
     let parameters = estimator.specs().iter().flat_map(|spec| [spec.label.as_str(), spec.doc.as_str()]);
     let pseudocode = info.pseudocode.iter().map(|line| line.text);
@@ -252,33 +225,22 @@ fn entries(input: &Input) -> Vec<Entry> {
         let (text, keys, tip) = (command.text(&input.granularities), command.key(), String::new());
         let face = command.info();
         let submenu = command.submenu().map_or("", |submenu| submenu.info().0);
-        let about = format!("{} {submenu} {}", command.tip(&input.granularities), tags(*command));
-        Entry { icon: face.icon, text, tip, also: face.menu.name(), about, keys, action: Action::Command(*command) }
+        let (tags, about) = (tags(*command), format!("{submenu} {}", command.tip(&input.granularities)));
+        let (also, action) = (face.menu.name(), Action::Command(*command));
+        Entry { icon: face.icon, text, tip, also, tags, about, keys, action }
     });
     let all = estimators();
-    let name = |id: &str| all.iter().map(|estimator| estimator.info()).find(|info| info.id == id).map(|info| info.name);
     let estimators = all.iter().map(|estimator| {
         let info = estimator.info();
         let (text, tip) = (format!("Estimator: {}", info.name), info.family.to_owned());
         let (about, keys) = (about(&**estimator), String::new());
-        Entry { icon: Icon::Grid3x3, text, tip, also: info.id, about, keys, action: Action::Choose(info.id) }
+        Entry { icon: Icon::Grid3x3, text, tip, also: info.id, tags: "", about, keys, action: Action::Choose(info.id) }
     });
     let samples = synth::SCENES.iter().map(|sample| {
         let text = format!("Sample: {}", sample.title);
         let action = Action::OpenSample(sample);
         let (tip, about, keys) = (String::new(), sample.teaches.to_owned(), String::new());
-        Entry { icon: Icon::Film, text, tip, also: sample.id, about, keys, action }
-    });
-    // An example of several estimators opens with the one that is chosen, if it is among them.
-    let examples = examples::examples().filter_map(|example| {
-        let text = format!("Example: {}", example.title);
-        let id = example.of.iter().find(|id| **id == input.estimator).or(example.of.first()).copied()?;
-        let (tip, others) = (name(id)?.to_owned(), example.of.iter().filter_map(|id| name(id)).collect::<Vec<_>>());
-        let cause = example.cause.map_or("works", Cause::name);
-        let (about, keys) =
-            (format!("{} {} {cause} {}", others.join(" "), example.of.join(" "), example.says), String::new());
-        let action = Action::OpenExample(id, example);
-        Some(Entry { icon: Icon::Lightbulb, text, tip, also: id, about, keys, action })
+        Entry { icon: Icon::Film, text, tip, also: sample.id, tags: "", about, keys, action }
     });
     let lessons = lesson::all().iter().map(|lesson| {
         let text = format!("Lesson: {}", lesson.title);
@@ -286,28 +248,71 @@ fn entries(input: &Input) -> Vec<Entry> {
         let pages = lesson.pages.iter().map(|page| page.title.as_str());
         let about = pages.chain([lesson.summary.as_str()]).collect::<Vec<_>>().join(" ");
         let (tip, keys) = (format!("{} pages", lesson.pages.len()), String::new());
-        Entry { icon: Icon::BookOpen, text, tip, also: &lesson.slug, about, keys, action }
+        Entry { icon: Icon::BookOpen, text, tip, also: &lesson.slug, tags: "", about, keys, action }
     });
     let recent = input.recent.iter().map(|path| {
         let text = format!("Open {}", widgets::elide(&path.display().to_string(), 56));
         let action = Action::Open(path.into());
         let (tip, about, keys) = (String::new(), "recent file".to_owned(), String::new());
-        Entry { icon: Icon::History, text, tip, also: "", about, keys, action }
+        Entry { icon: Icon::History, text, tip, also: "", tags: "", about, keys, action }
     });
     let charts = PANES.into_iter().filter(|pane| **pane != STAGE && **pane != EXPLANATION).map(|pane| {
         let (text, tip, about) = (format!("Chart: {}", pane.title), String::new(), pane.doc.to_owned());
         let action = Action::Show(Target::Chart(pane));
-        Entry { icon: Icon::ChartColumn, text, tip, also: pane.id, about, keys: String::new(), action }
+        Entry { icon: Icon::ChartColumn, text, tip, also: pane.id, tags: "", about, keys: String::new(), action }
     });
     commands
         .chain(estimators)
         .chain(placed_parameters())
         .chain(charts)
         .chain(samples)
-        .chain(examples)
+        .chain(examples(&all, input.estimator))
         .chain(lessons)
         .chain(recent)
         .collect()
+}
+
+/// The examples, each once. One of several estimators opens with the one that is chosen, if it is among them.
+fn examples(all: &[Box<dyn AnyEstimator>], chosen: &str) -> Vec<Entry> {
+    let mut rows: Vec<Vec<&'static Example>> = Vec::new();
+    for example in examples::examples() {
+        match rows.iter_mut().find(|row| is_alike(row[0], example)) {
+            Some(row) => row.push(example),
+            None => rows.push(vec![example]),
+        }
+    }
+    rows.iter().filter_map(|row| example_row(row, all, chosen)).collect()
+}
+
+/// Whether both show the same on the same clip, of different estimators.
+fn is_alike(a: &Example, b: &Example) -> bool {
+    let shown = |example: &Example| (example.title, example.clip, example.frame, example.settings, example.cause);
+    shown(a) == shown(b)
+}
+
+/// The row of examples that are alike.
+fn example_row(alike: &[&'static Example], all: &[Box<dyn AnyEstimator>], chosen: &str) -> Option<Entry> {
+    let name = |id: &str| all.iter().map(|estimator| estimator.info()).find(|info| info.id == id).map(|info| info.name);
+    let of: Vec<_> = alike.iter().flat_map(|example| example.of.iter().map(|id| (*id, *example))).collect();
+    let (id, example) = of.iter().find(|(id, _)| *id == chosen).or(of.first()).copied()?;
+    let verdict = if example.is_failure() { "Fails" } else { "Works" };
+    let others = match of.len() - 1 {
+        0 => String::new(),
+        1 => " and 1 other".to_owned(),
+        count => format!(" and {count} others"),
+    };
+    let names = of.iter().flat_map(|(id, _)| [name(id).unwrap_or_default(), id]).collect::<Vec<_>>().join(" ");
+    let says = alike.iter().map(|example| example.says).collect::<Vec<_>>().join(" ");
+    Some(Entry {
+        icon: Icon::Lightbulb,
+        text: format!("Example: {}", example.title),
+        tip: format!("{verdict}: {}{others}", name(id)?),
+        also: id,
+        tags: "",
+        about: format!("{names} {} {says}", example.cause.map_or("", Cause::name)),
+        keys: String::new(),
+        action: Action::OpenExample(id, example),
+    })
 }
 
 /// What can be placed on the pictures, each once: it is a parameter of some estimator, which is chosen with it.
@@ -325,7 +330,16 @@ fn placed_parameters() -> Vec<Entry> {
             }
             let (tip, about, keys) = (info.name.to_owned(), spec.doc.clone(), String::new());
             let action = Action::Show(Target::Parameter(info.id, &spec.name));
-            entries.push(Entry { icon: Icon::SlidersHorizontal, text, tip, also: &spec.name, about, keys, action });
+            entries.push(Entry {
+                icon: Icon::SlidersHorizontal,
+                text,
+                tip,
+                also: &spec.name,
+                tags: "",
+                about,
+                keys,
+                action,
+            });
         }
     }
     entries
@@ -336,6 +350,7 @@ const MOST_NAME: usize = 24;
 
 #[cfg(test)]
 mod tests {
+    use super::fuzzy::Place;
     use super::*;
     use crate::ui::app::commands::Menu;
 
@@ -361,6 +376,14 @@ mod tests {
     }
 
     #[test]
+    fn words_of_every_day_find_what_they_mean_before_what_only_speaks_of_them() {
+        for query in ["settings", "preferences", "font", "contrast", "count", "line", "zone"] {
+            eprintln!("{query}: {:#?}", &names(query)[..8.min(names(query).len())]);
+        }
+        panic!("look");
+    }
+
+    #[test]
     fn what_a_thing_is_about_finds_it() {
         for (query, text) in [
             ("pyramid", "Estimator: Hierarchical search"),
@@ -383,15 +406,28 @@ mod tests {
 
     #[test]
     fn an_example_of_several_estimators_is_listed_once_and_opens_with_the_chosen_one() {
-        let now = Situation { has_clip: true, has_run: true, ..Situation::default() };
-        let granularities = Granularities::new(&["run", "block", "candidate"]);
-        let shared = examples::examples().find(|example| example.of.len() > 2).expect("one that is shared");
-        for estimator in [shared.of[0], shared.of[2]] {
-            let all = entries(&Input { now, granularities, estimator, recent: &[], theme: Theme::Dark });
-            let of_it = |entry: &Entry| matches!(entry.action, Action::OpenExample(_, example) if example == shared);
-            let listed: Vec<_> = all.iter().filter(|entry| of_it(entry)).map(|entry| entry.also).collect();
-            assert_eq!(listed, [estimator]);
+        let all = estimators();
+        let rows = examples(&all, "three-step");
+        for (i, row) in rows.iter().enumerate() {
+            let is_told_apart = |other: &Entry| (&other.text, &other.tip) != (&row.text, &row.tip);
+            assert!(rows[..i].iter().all(is_told_apart), "{}: {}", row.text, row.tip);
         }
+        let called = |title: &str| {
+            let found = rows.iter().filter(|row| row.text == format!("Example: {title}"));
+            found.map(|row| row.tip.as_str()).collect::<Vec<_>>()
+        };
+        assert_eq!(called("A wall without texture"), ["Fails: Three-step search and 12 others"]);
+        assert_eq!(called("A bus passes by"), ["Works: Pyramidal Lucas–Kanade and 5 others", "Fails: Normal flow"]);
+        let listed: usize = examples::examples().map(|example| example.of.len()).sum();
+        for example in examples::examples() {
+            for id in example.of {
+                let rows = examples(&all, id);
+                let opens =
+                    |row: &Entry| matches!(row.action, Action::OpenExample(of, one) if of == *id && one == example);
+                assert_eq!(rows.iter().filter(|row| opens(row)).count(), 1, "{id}: {}", example.title);
+            }
+        }
+        assert!(rows.len() < listed / 2, "{} rows of {listed}", rows.len());
     }
 
     #[test]

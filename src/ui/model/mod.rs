@@ -17,6 +17,7 @@ pub mod preview;
 pub mod previews;
 pub mod settings;
 pub mod snapshot;
+pub mod step_pictures;
 pub mod trail;
 pub mod upcoming;
 pub mod walker;

@@ -9,6 +9,8 @@ use eframe::egui::{ColorImage, Context, TextureHandle, TextureOptions};
 use motionscope_core::Clip;
 use motionscope_core::synth::{SCENES, Sample};
 
+use super::step_pictures::StepPictures;
+
 /// Width and height of a picture in pixels.
 pub const PICTURE_PX: (usize, usize) = (240, 180);
 /// Pictures of a film per second.
@@ -117,6 +119,8 @@ pub struct Previews {
     hovered: Option<usize>,
     focused: Option<usize>,
     maker: Option<Maker>,
+    /// The pictures of the estimators.
+    pub steps: StepPictures,
 }
 
 impl Previews {
@@ -173,6 +177,7 @@ impl Previews {
 
     /// Ends a frame: one sample that was wished for in it is played from the next frame on, and no other.
     pub fn settle(&mut self, ctx: &Context) {
+        self.steps.settle(ctx);
         let (hovered, focused) = (self.hovered.take(), self.focused.take());
         match hovered.or(focused) {
             Some(of) if self.film.as_ref().is_none_or(|film| film.of != of) => self.begin(ctx, of),

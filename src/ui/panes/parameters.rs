@@ -6,12 +6,12 @@ use std::collections::BTreeSet;
 
 use eframe::egui::collapsing_header::{self, CollapsingState};
 use eframe::egui::{
-    self, Align, Button, Color32, ComboBox, DragValue, Layout, Response, RichText, ScrollArea, Sense, TextStyle,
-    TextWrapMode, Ui, Vec2, WidgetInfo, vec2,
+    self, Align, Button, ComboBox, DragValue, Layout, Response, RichText, ScrollArea, Sense, TextStyle, Ui, WidgetInfo,
+    vec2,
 };
 use lucide_icons::Icon;
 use motionscope_core::params::{Choice, Kind, PartKind, Placed, Spec, StageValue};
-use motionscope_core::{Info, Value, estimators, lockstep};
+use motionscope_core::{Value, lockstep};
 use serde::{Deserialize, Serialize};
 
 use crate::paint::Theme;
@@ -153,116 +153,27 @@ fn beside(ui: &mut Ui, input: Input<'_>, state: &mut State, actions: &mut Action
         fold.show_body_unindented(ui, |ui| group(ui, owner, input, state, actions));
     }
     if companions.len() + 1 < *lockstep::MEMBERS.end() {
-        add_beside(ui, document, actions);
+        let button = ui.button("Add in lockstep");
+        let tip = "Run another estimator on the same frames beside this one, or the same one with other parameters.";
+        if button.on_hover_text(tip).clicked() {
+            actions.ask(Action::ChooseBeside);
+        }
     }
     ui.add_space(8.0);
 }
 
-/// The list of estimators that can go in lockstep with those that are there.
-fn add_beside(ui: &mut Ui, document: &Document, actions: &mut Actions) {
-    let leader = document.estimator();
-    let refused = |info: &'static Info| {
-        let added = estimators().into_iter().find(|one| one.info().id == info.id)?;
-        lockstep::check(&[leader, &*added]).err().map(|error| error.to_string())
-    };
-    let choosing = Choosing { now: "", action: Action::AddBeside, refused: &refused };
-    let button = ui.menu_button("Add in lockstep", |ui| {
-        estimators_by_family(ui, choosing, actions);
-    });
-    button.response.on_hover_text(
-        "Run another estimator on the same frames beside this one, or the same one with other parameters.",
-    );
-}
-
-/// What a list of estimators is for.
-#[derive(Clone, Copy)]
-pub struct Choosing<'a> {
-    /// The id of the estimator that is chosen now.
-    pub now: &'a str,
-    /// What a choice asks for.
-    pub action: fn(&'static str) -> Action,
-    /// Why an estimator cannot be chosen.
-    pub refused: &'a dyn Fn(&'static Info) -> Option<String>,
-}
-
-impl<'a> Choosing<'a> {
-    /// The choice of the estimator, which is `now`.
-    pub fn of_estimator(now: &'a str) -> Self {
-        Self { now, action: Action::Choose, refused: &|_| None }
-    }
-}
-
-/// The estimators by family.
+/// The estimator, and the way to another one.
 fn estimator(ui: &mut Ui, document: &Document, actions: &mut Actions) {
     let info = document.estimator().info();
-    // As long as the window allows, so that all of them are seen at once where that can be.
-    let room = (ui.content_rect().height() - 2.0 * ui.spacing().interact_size.y).max(ui.spacing().combo_height);
-    let combo = ComboBox::from_id_salt("estimator").selected_text(info.name);
-    let combo = combo.width(ui.available_width()).height(room).wrap();
-    let shown = combo.show_ui(ui, |ui| estimators_by_family(ui, Choosing::of_estimator(info.id), actions));
+    let glyph = widgets::icon(ui, Icon::ChevronDown).color(ui.visuals().weak_text_color());
+    let button = Button::new(info.name).right_text(glyph).wrap();
+    let button = ui.add_sized(vec2(ui.available_width(), ui.spacing().interact_size.y), button);
     let name = format!("Estimator: {}", info.name);
-    shown.response.widget_info(|| WidgetInfo::labeled(egui::Role::ComboBox, true, &name));
-    shown.response.on_hover_text(info.summary);
+    button.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, &name));
+    if button.on_hover_text(Command::Estimators.with_key(info.summary)).clicked() {
+        actions.command(Command::Estimators);
+    }
     ui.add_space(4.0);
-}
-
-/// Every estimator under its family, to choose from, in columns about as long: as many as the window is wide enough for, and in
-/// rows as high as it has room for.
-pub fn estimators_by_family(ui: &mut Ui, choosing: Choosing<'_>, actions: &mut Actions) {
-    /// Space between columns.
-    const GAP: f32 = 16.0;
-    let all: Vec<&'static Info> = estimators().iter().map(|estimator| estimator.info()).collect();
-    let families: Vec<&[&'static Info]> = all.chunk_by(|a, b| a.family == b.family).collect();
-    // A list that opens near the right edge moves to the left instead of breaking its names.
-    ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
-    let font = TextStyle::Button.resolve(ui.style());
-    let width = |text: &str| ui.painter().layout_no_wrap(text.into(), font.clone(), Color32::PLACEHOLDER).size().x;
-    let name = all.iter().map(|info| width(info.name)).fold(0.0, f32::max);
-    let column = name + 2.0 * ui.spacing().button_padding.x + GAP;
-    let window = ui.content_rect().size() - 2.0 * Vec2::splat(GAP);
-    let columns = columns(&families, ((window.x / column) as usize).clamp(1, 3));
-    let longest = columns.iter().map(|column| rows_of(column)).max().unwrap_or(1);
-    let row = (window.y / longest as f32 - 1.0).clamp(1.25 * font.size, ui.spacing().interact_size.y);
-    ui.spacing_mut().item_spacing = vec2(GAP, 1.0);
-    ui.spacing_mut().interact_size.y = row;
-    ui.spacing_mut().button_padding.y = ((row - 1.25 * font.size) / 2.0).max(0.0);
-    ScrollArea::vertical().max_height(window.y).show(ui, |ui| {
-        ui.horizontal_top(|ui| {
-            for column in columns {
-                ui.vertical(|ui| column.iter().for_each(|family| of_family(ui, family, choosing, actions)));
-            }
-        });
-    });
-}
-
-/// The rows of a column: one for each estimator and one for the name of each family.
-fn rows_of(column: &[&[&Info]]) -> usize {
-    column.iter().map(|family| family.len() + 1).sum()
-}
-
-/// Divides families, in their order, into `count` columns of which the longest is as short as can be.
-fn columns<'a>(families: &'a [&'a [&'static Info]], count: usize) -> Vec<&'a [&'a [&'static Info]]> {
-    if count <= 1 {
-        return vec![families];
-    }
-    let parts = |cut: usize| [vec![&families[..cut]], columns(&families[cut..], count - 1)].concat();
-    let longest = |parts: &Vec<&[&[&Info]]>| parts.iter().map(|part| rows_of(part)).max();
-    (0..=families.len()).map(parts).min_by_key(longest).unwrap_or_default()
-}
-
-/// The estimators of a family below its name.
-fn of_family(ui: &mut Ui, family: &[&'static Info], choosing: Choosing<'_>, actions: &mut Actions) {
-    widgets::heading(ui, family.first().map_or("", |info| info.family));
-    for info in family {
-        let refused = (choosing.refused)(info);
-        let is_now = info.id == choosing.now;
-        let entry = ui.add_enabled_ui(refused.is_none(), |ui| ui.selectable_label(is_now, info.name)).inner;
-        let entry = entry.on_hover_text(info.summary).on_disabled_hover_text(refused.unwrap_or_default());
-        if entry.clicked() {
-            actions.ask((choosing.action)(info.id));
-            ui.close();
-        }
-    }
 }
 
 /// The parameters of the estimator or of a synthetic clip.
@@ -474,7 +385,7 @@ impl Row<'_> {
 
     fn strip_label(&self, ui: &Ui) -> f32 {
         let font = TextStyle::Small.resolve(ui.style());
-        ui.painter().layout_no_wrap(self.spec.label.clone(), font, Color32::PLACEHOLDER).size().x
+        ui.painter().layout_no_wrap(self.spec.label.clone(), font, egui::Color32::PLACEHOLDER).size().x
     }
 
     /// Width of the field of a number: as wide as its ends.

@@ -1,37 +1,41 @@
-//! The start page: samples that play under the pointer, the lessons by chapter, what was open lately, and the ways to open
-//! anything else.
+//! The start page: samples that play under the pointer, the families of estimators, the lessons, what was open lately, and the ways
+//! to open anything else.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, channel};
 
 use eframe::egui::{
-    self, Align, Button, FontId, Id, Key, Label, Layout, Rect, Response, RichText, ScrollArea, TextStyle, Ui, Vec2,
+    self, Align, Button, FontId, Id, Key, Label, Layout, Rect, Response, RichText, ScrollArea, TextStyle, Ui,
     WidgetInfo, vec2,
 };
 use lucide_icons::Icon;
 use motionscope_core::synth::SCENES;
-use motionscope_core::{Error, capital};
+use motionscope_core::{Error, capital, estimators};
 
 use crate::paint::Theme;
-use crate::session::lesson::{self, Address, Lesson};
+use crate::session::lesson::{self, Address};
 use crate::ui::app::action::{Action, Actions};
 use crate::ui::app::commands::Command;
 use crate::ui::drawing::style;
 use crate::ui::model::loader::Loading;
 use crate::ui::model::previews::Previews;
+use crate::ui::parts::entry_card::{self, Card};
 use crate::ui::parts::sample_card::{self, Face};
-use crate::ui::parts::widgets;
+use crate::ui::parts::{arrows, widgets};
 
 /// The buttons beside the title.
-const BUTTONS: [Command; 5] = [Command::Open, Command::Samples, Command::Camera, Command::Lessons, Command::SearchText];
+const BUTTONS: [Command; 5] =
+    [Command::Open, Command::Samples, Command::Camera, Command::Estimators, Command::SearchText];
 /// Entries of what was open lately.
 const RECENT: usize = 8;
 /// Least width of a card, in sizes of its type, also in a roomy window, and share of its width that its picture has in height.
 const CARD_LETTERS: [f32; 2] = [11.0, 15.0];
 const PICTURE_SHARE: f32 = 0.52;
-/// Width of the names of chapters, and of what was open lately, in sizes of the type.
-const CHAPTER_LETTERS: f32 = 15.5;
+/// Least width of the card of a family or a lesson, and width of what was open lately, in sizes of the type.
+const ENTRY_LETTERS: f32 = 10.5;
 const RECENT_LETTERS: f32 = 17.0;
+/// Space between cards.
+const GAP: f32 = 12.0;
 /// Lines down from which the samples have two rows, and from which everything has more room.
 const TWO_ROWS: f32 = 46.0;
 const ROOMY: f32 = 62.0;
@@ -141,6 +145,8 @@ pub fn show(ui: &mut Ui, state: &mut State, previews: &mut Previews, input: &Inp
         drawn.news(ui);
         ui.add_space(12.0);
         drawn.samples(ui, &mut state.is_begun);
+        ui.add_space(8.0);
+        drawn.estimators(ui);
         ui.add_space(12.0);
         drawn.lessons_and_recent(ui, &state.recent);
     });
@@ -151,44 +157,19 @@ pub fn show(ui: &mut Ui, state: &mut State, previews: &mut Previews, input: &Inp
 
 /// Moves the keyboard with the arrow keys to the nearest of `items` that way; gives whether one was pressed.
 fn walk(ui: &Ui, items: &[(Id, Rect)]) -> bool {
-    let ways = [
-        (Key::ArrowLeft, vec2(-1.0, 0.0)),
-        (Key::ArrowRight, vec2(1.0, 0.0)),
-        (Key::ArrowUp, vec2(0.0, -1.0)),
-        (Key::ArrowDown, vec2(0.0, 1.0)),
-    ];
-    let Some((_, way)) = ui.input(|input| ways.into_iter().find(|(key, _)| input.key_pressed(*key))) else {
+    let Some(way) = ui.input(|input| arrows::pressed(|key| input.key_pressed(key))) else {
         return ui.input(|input| input.key_pressed(Key::Tab));
     };
     let now = ui.memory(|memory| memory.focused());
     let from = items.iter().find(|(id, _)| Some(*id) == now);
     let to = match from {
-        Some((_, from)) => nearest(items, *from, way),
+        Some((_, from)) => arrows::nearest(items, *from, way),
         None => items.first().map(|(id, _)| *id),
     };
     // The toolkit has looked for one in its own way.
     ui.memory_mut(|memory| memory.move_focus(egui::FocusDirection::None));
     to.into_iter().for_each(|to| ui.memory_mut(|memory| memory.request_focus(to)));
     true
-}
-
-/// What lies nearest to `from` that way: what is off to the side counts as twice as far.
-fn nearest(items: &[(Id, Rect)], from: Rect, way: Vec2) -> Option<Id> {
-    let gap = |a: egui::Rangef, b: egui::Rangef| (b.min - a.max).max(a.min - b.max).max(0.0);
-    let cost = |rect: &Rect| {
-        let across = [gap(from.x_range(), rect.x_range()), gap(from.y_range(), rect.y_range())];
-        let (along, off) = if way.x == 0.0 { (across[1], across[0]) } else { (across[0], across[1]) };
-        along + 2.0 * off
-    };
-    let lies_there = |rect: &Rect| {
-        (rect.center() - from.center()).dot(way) > 0.0 && {
-            // Beyond the edge, not only a little further on.
-            let (edge, near) = (from.center() + way * from.size() / 2.0, rect.center() - way * rect.size() / 2.0);
-            (near - edge).dot(way) > -2.0
-        }
-    };
-    let there = items.iter().filter(|(_, rect)| lies_there(rect));
-    there.min_by(|(_, a), (_, b)| cost(a).total_cmp(&cost(b))).map(|(id, _)| *id)
 }
 
 /// The page as it is drawn.
@@ -274,7 +255,7 @@ impl Drawn<'_, '_> {
     fn samples(&mut self, ui: &mut Ui, is_begun: &mut bool) {
         let size = TextStyle::Body.resolve(ui.style()).size;
         let rows = if ui.ctx().content_rect().height() > TWO_ROWS * size { 2 } else { 1 };
-        let gap = 12.0;
+        let gap = GAP;
         let least = CARD_LETTERS[usize::from(is_roomy(ui))] * size;
         let columns = ((ui.available_width() + gap) / (least + gap)).floor().max(2.0);
         let width = ((ui.available_width() + gap) / columns - gap).floor();
@@ -315,7 +296,7 @@ impl Drawn<'_, '_> {
         ui.horizontal_top(|ui| {
             ui.vertical(|ui| {
                 ui.set_width(all - beside - 24.0);
-                widgets::heading(ui, "Lessons by chapter");
+                widgets::heading(ui, "Lessons");
                 self.lessons(ui);
             });
             if beside > 0.0 {
@@ -329,27 +310,65 @@ impl Drawn<'_, '_> {
         });
     }
 
+    /// The families of estimators, each with a picture of its first one. A card opens the chooser at its family.
+    fn estimators(&mut self, ui: &mut Ui) {
+        widgets::heading(ui, "Begin with an estimator");
+        let all: Vec<_> = estimators().iter().map(|estimator| estimator.info()).collect();
+        let families: Vec<_> = all.chunk_by(|a, b| a.family == b.family).collect();
+        self.grid(ui, 2.9, &families, |page, ui, rect, family| {
+            let first = family[0];
+            let note = format!("{} estimators", family.len());
+            let texture = ui.is_rect_visible(rect).then(|| page.previews.steps.picture(first.id)).flatten();
+            let card = Card { title: first.family, note: &note, picture: rect.height() - 10.0, texture, ..page.card() };
+            if page.entry(ui, rect, card).clicked() {
+                page.actions.ask(Action::Type(Command::Estimators, first.family.to_owned(), false));
+            }
+        });
+    }
+
     fn lessons(&mut self, ui: &mut Ui) {
+        let all: Vec<_> = lesson::chapters()
+            .into_iter()
+            .flat_map(|(chapter, lessons)| lessons.into_iter().map(move |one| (chapter, one)))
+            .collect();
+        self.grid(ui, 4.4, &all, |page, ui, rect, (chapter, one)| {
+            let pages = format!("{}\u{a0}pages", one.pages.len());
+            let is_named_so = chapter.title() == one.title;
+            let note = if is_named_so { pages.clone() } else { format!("{} · {pages}", chapter.title()) };
+            let card = Card { title: &one.title, note: &note, ..page.card() };
+            if page.entry(ui, rect, card).on_hover_text(&one.summary).clicked() {
+                page.actions.ask(Action::OpenPage(Address::from(*one)));
+            }
+        });
+    }
+
+    /// Cards of equal size, so many lines of the type high, in as many columns as fit.
+    fn grid<T>(&mut self, ui: &mut Ui, lines: f32, all: &[T], mut show: impl FnMut(&mut Self, &mut Ui, Rect, &T)) {
         let size = TextStyle::Body.resolve(ui.style()).size;
-        tighten(ui);
-        for (chapter, lessons) in lesson::chapters() {
-            ui.horizontal_top(|ui| {
-                let row = ui.spacing().interact_size.y;
-                let width = (CHAPTER_LETTERS * size).min(0.36 * ui.available_width());
-                let (rect, _) = ui.allocate_exact_size(vec2(width, row), egui::Sense::hover());
-                let mut name = widgets::inside(ui, rect, Layout::left_to_right(Align::Center));
-                name.add(Label::new(RichText::new(chapter.title()).small().weak()).truncate());
-                ui.horizontal_wrapped(|ui| lessons.into_iter().for_each(|one| self.lesson(ui, one)));
-            });
+        let width = ui.available_width();
+        let most = ((width + GAP) / (ENTRY_LETTERS * size + GAP)).max(1.0) as usize;
+        let rows = all.len().div_ceil(most).max(1);
+        // Rows about as long.
+        let columns = all.len().div_ceil(rows).max(1);
+        let card = vec2(((width + GAP) / columns as f32 - GAP).floor(), (lines * size).round());
+        let height = rows as f32 * (card.y + 8.0) - 8.0;
+        let (place, _) = ui.allocate_exact_size(vec2(width, height), egui::Sense::hover());
+        for (index, one) in all.iter().enumerate() {
+            let [column, row] = [index % columns, index / columns].map(|at| at as f32);
+            let at = place.min + vec2(column * (card.x + GAP), row * (card.y + 8.0));
+            show(self, ui, Rect::from_min_size(at, card), one);
         }
     }
 
-    fn lesson(&mut self, ui: &mut Ui, one: &Lesson) {
-        let button = ui.add(Button::new(&one.title).frame_when_inactive(false));
-        self.item(&button);
-        if button.on_hover_text(format!("{}\n{} pages", one.summary, one.pages.len())).clicked() {
-            self.actions.ask(Action::OpenPage(Address::from(one)));
-        }
+    fn card(&self) -> Card<'static> {
+        Card { has_edge: true, theme: self.input.theme, ..Card::default() }
+    }
+
+    fn entry(&mut self, ui: &mut Ui, rect: Rect, card: Card<'_>) -> Response {
+        let card = Card { name: card.title, ..card };
+        let response = entry_card::show(ui, rect, ui.scope_id().with(card.title), &card);
+        self.item(&response);
+        response
     }
 
     /// Something that was open lately.
@@ -413,35 +432,4 @@ fn tighten(ui: &mut Ui) {
     let spacing = ui.spacing_mut();
     spacing.interact_size.y = (lines * size).round();
     (spacing.button_padding.y, spacing.item_spacing.y) = (0.0, 0.0);
-}
-
-#[cfg(test)]
-mod tests {
-    use eframe::egui::pos2;
-
-    use super::*;
-
-    #[test]
-    fn arrows_go_to_what_lies_next_to_where_they_start() {
-        let at = |x: f32, y: f32, width: f32| Rect::from_min_size(pos2(x, y), vec2(width, 20.0));
-        // Two cards above two rows of lessons, which begin further right.
-        let rects = [
-            at(0.0, 0.0, 90.0),
-            at(100.0, 0.0, 90.0),
-            at(150.0, 50.0, 60.0),
-            at(220.0, 50.0, 60.0),
-            at(150.0, 72.0, 40.0),
-        ];
-        let items: Vec<(Id, Rect)> =
-            rects.iter().enumerate().map(|(i, rect)| (Id::unique(("item", i)), *rect)).collect();
-        let next = |from: usize, x: f32, y: f32| {
-            let found = nearest(&items, rects[from], vec2(x, y));
-            found.and_then(|id| items.iter().position(|(other, _)| *other == id))
-        };
-        assert_eq!((next(0, 1.0, 0.0), next(1, -1.0, 0.0)), (Some(1), Some(0)));
-        assert_eq!((next(0, 0.0, 1.0), next(1, 0.0, 1.0)), (Some(2), Some(2)), "the first row of lessons");
-        assert_eq!((next(2, 0.0, 1.0), next(3, 0.0, 1.0), next(4, 0.0, -1.0)), (Some(4), Some(4), Some(2)));
-        assert_eq!((next(2, 1.0, 0.0), next(2, 0.0, -1.0)), (Some(3), Some(1)));
-        assert_eq!((next(0, -1.0, 0.0), next(4, 0.0, 1.0)), (None, None));
-    }
 }

@@ -101,7 +101,7 @@ fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     let padding = 2.0 * ui.spacing().button_padding.x + ui.spacing().item_spacing.x;
     let parents: Vec<&str> = input.document.parents().map(|parent| parent.name).collect();
     // The estimator is always told whole, as far as the window goes.
-    let mut room = ui.available_width() - width(ui, &estimator) - 2.0 * padding;
+    let mut room = ui.available_width() - width(ui, &estimator) - 1.4 * size - 2.0 * padding;
     let crumb = |name: &str| format!("{name} ›");
     let whole: f32 = parents.iter().map(|name| width(ui, &crumb(name)) + padding).sum();
     let least = 8.0 * 0.6 * size;
@@ -141,10 +141,12 @@ fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
             actions.command(Command::OutOfStage);
         }
     }
-    let estimator = ui.menu_button(RichText::new(estimator), |ui| {
-        parameters::estimators_by_family(ui, parameters::Choosing::of_estimator(info.id), actions);
-    });
-    estimator.response.on_hover_text(info.summary);
+    let chooser = Button::new((estimator.as_str(), widgets::icon(ui, Icon::ChevronDown).color(dim)));
+    let chooser = ui.add(chooser.frame_when_inactive(false));
+    chooser.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &estimator));
+    if chooser.on_hover_text(Command::Estimators.with_key(info.summary)).clicked() {
+        actions.command(Command::Estimators);
+    }
     if let Some(place) = input.place.as_ref().filter(|place| width(ui, place) + padding < ui.available_width()) {
         ui.label(RichText::new(place).color(dim));
     }

@@ -1,5 +1,7 @@
 //! Small parts that the panes share.
 
+pub mod arrows;
+pub mod entry_card;
 pub mod icon;
 pub mod sample_card;
 pub mod slider;

@@ -72,7 +72,7 @@ impl Command {
                 Menu::File,
                 Icon::House,
                 "Start page",
-                "Show samples, lessons by chapter and what was open lately, or return to the window.",
+                "Show samples, estimators, lessons and what was open lately, or return to the window.",
                 const { &[ctrl(Key::H)] },
             ),
             C::Samples => (
@@ -128,6 +128,13 @@ impl Command {
                 const { &[ctrl_shift(Key::S)] },
             ),
             C::Quit => (Menu::File, Icon::LogOut, "Quit", "Close Motionscope.", const { &[ctrl(Key::Q)] }),
+            C::Estimators => (
+                Menu::Edit,
+                Icon::Grid3x3,
+                "Estimators…",
+                "Choose the estimator by family, with a picture of each and what suits the clip.",
+                const { &[key(Key::A)] },
+            ),
             C::Undo => (
                 Menu::Edit,
                 Icon::Undo2,

@@ -1,0 +1,135 @@
+//! Small pictures of the estimators at work, each of a step of its example of success. They are made one at a time on a thread of their
+//! own, only of the estimators in sight, and kept for the session.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use eframe::egui::{ColorImage, Context, TextureHandle, TextureOptions};
+use motionscope_core::scene::Picture;
+use motionscope_core::{Cursor, Error, Move, Role, Scene, Walk, examples};
+
+use super::background::{Background, Control};
+use crate::experiment::interest;
+use crate::experiment::source::Source;
+use crate::media::{Open, Progress};
+use crate::paint::{FocusMode, Theme, View};
+use crate::session::example;
+use crate::view::look::Look;
+use crate::view::moment::Viewer;
+use crate::view::motion::Reverse;
+use crate::view::panes::Selection;
+use crate::view::rendering::Rendering;
+
+/// Width and height of the clip behind a picture in px: marks are as thick on it as on a large one, so that they are seen.
+const CLIP_PX: (usize, usize) = (160, 120);
+/// Units of a run that has no pass over the picture, after which its step is taken.
+const UNITS: usize = 8;
+/// After this time the step at which the run stands is taken.
+const LIMIT: Duration = Duration::from_secs(2);
+
+/// The pictures by the ids of their estimators.
+#[derive(Default)]
+pub struct StepPictures {
+    /// Those that were made; `None` where one cannot be made.
+    made: BTreeMap<&'static str, Option<TextureHandle>>,
+    /// The estimators in sight in the frame that is being drawn, whose pictures are not there yet.
+    wished: Vec<&'static str>,
+    /// The picture that is being made.
+    work: Option<(&'static str, Background<ColorImage>)>,
+    /// Whether one was made that was not drawn yet.
+    is_fresh: bool,
+}
+
+impl StepPictures {
+    /// The picture of the estimator `id`, which is in sight; `None` until it is made.
+    pub fn picture(&mut self, id: &'static str) -> Option<TextureHandle> {
+        let made = self.made.get(id).cloned();
+        if made.is_none() {
+            self.wished.push(id);
+        }
+        made.flatten()
+    }
+
+    /// Ends a frame: the next picture that was wished for in it is made. Where none was, none is made any more.
+    pub fn settle(&mut self, ctx: &Context) {
+        self.is_fresh = false;
+        if let Some((id, outcome)) = self.work.as_ref().and_then(|(id, work)| Some((*id, work.take()?))) {
+            let load = |image| ctx.load_texture(id, image, TextureOptions::LINEAR);
+            self.made.insert(id, outcome.ok().map(load));
+            (self.work, self.is_fresh) = (None, true);
+            ctx.request_repaint();
+        }
+        let made = &self.made;
+        self.wished.retain(|id| !made.contains_key(id));
+        match self.wished.first() {
+            None => self.work = None,
+            Some(id) if self.work.is_none() => self.work = Some((id, start(id, ctx.clone()))),
+            Some(_) => {}
+        }
+        self.wished.clear();
+    }
+
+    /// Whether the picture of the estimator `id` is there.
+    pub fn has(&self, id: &str) -> bool {
+        self.made.get(id).is_some_and(Option::is_some)
+    }
+
+    /// Whether all pictures in sight are drawn.
+    pub fn is_complete(&self) -> bool {
+        self.work.is_none() && !self.is_fresh
+    }
+}
+
+fn start(id: &'static str, ctx: Context) -> Background<ColorImage> {
+    Background::new("draw an estimator", move || ctx.request_repaint(), move |control| picture(id, control))
+}
+
+/// The picture of a step of the estimator `id`.
+fn picture(id: &str, control: &Arc<Control>) -> Result<ColorImage, Error> {
+    let works = examples::of(id).find(|example| !example.is_failure());
+    let works = works.ok_or_else(|| Error::new(format!("{id} has no example of success")))?;
+    let mut experiment = example::session(id, works)?.experiment;
+    if let Source::Synth { difficulty, .. } = &mut experiment.source {
+        (difficulty.width, difficulty.height) = CLIP_PX;
+    }
+    let clip = experiment.source.open(&Open::default())?.until(control.stop.clone());
+    let reverse = Reverse::new(&*experiment.estimator, &clip, experiment.frame);
+    let look = Look { theme: Theme::Dark, focus: FocusMode::On, ..Look::default() };
+    let mut viewer = Viewer::new(&experiment, &clip, &look, &reverse)?.with_explanation(false);
+    let opening = interest::opening(&*viewer.walk, &clip, experiment.frame);
+    let unit = opening.map_or(UNITS - 1, |opening| opening.unit);
+    go(&mut *viewer.walk, Move::To(Cursor { unit, event: usize::MAX }), control);
+    if experiment.estimator.tests_candidates() {
+        // At the end the block has its vector, and no candidates are seen any more.
+        let half = Cursor { event: viewer.walk.events() / 2, ..viewer.walk.cursor() };
+        go(&mut *viewer.walk, Move::To(half), control);
+    }
+    let moment = viewer.moment(None)?;
+    let look = Look { view: Some(view(&moment.scene)), ..look };
+    let panes = &Selection::default();
+    let rendering = Rendering { moment: &moment, estimator: &*experiment.estimator, look: &look, panes };
+    let pixels = rendering.pixels(1)?;
+    let (width, height) = pixels.size();
+    Ok(ColorImage::from_rgb([width, height], pixels.cells().as_flattened()))
+}
+
+/// Makes a move as far as it gets in time.
+fn go(walk: &mut dyn Walk, to: Move, control: &Control) {
+    let begun = Instant::now();
+    walk.go(to);
+    while !control.cancelled() && begun.elapsed() < LIMIT {
+        if walk.work(&mut || !control.cancelled() && begun.elapsed() < LIMIT) {
+            return;
+        }
+    }
+}
+
+/// The one picture that tells most: frame t + 1 where a search tests candidates in it.
+fn view(scene: &Scene) -> View {
+    let is_search = |role: Role| matches!(role, Role::Candidate | Role::Window);
+    match scene.marks.iter().any(|mark| mark.on == Picture::NEXT && is_search(mark.role)) {
+        true => View::Next,
+        false => View::Current,
+    }
+}
