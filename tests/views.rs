@@ -12,6 +12,7 @@ use eframe::egui::{
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use motionscope::paint::charts;
+use motionscope::paint::charts::Orbit;
 use motionscope::paint::{ColorMap, Layer, Pictures, Theme, View};
 use motionscope::ui::charts::{heat_map, series, surface3d, tiles};
 use motionscope::ui::drawing::chart::{Subject, rect_of};
@@ -79,9 +80,11 @@ impl Fixture {
             frame: 12,
             cursor: Cursor::default(),
             scene: &self.scene,
+            step: None,
             lockstep: None,
             stands: RunState::default(),
             look: Look::of_window(),
+            orbit: Orbit::default(),
             heat: "SAD",
             gpu: None,
             placing: None,
