@@ -34,7 +34,7 @@ const MOST_FAR: usize = 5;
 
 /// Windows in which `SCREENSHOTS=FOLDER cargo test --workspace --test screenshots` draws every estimator, and of the first every page
 /// of the lessons.
-const WINDOWS: [(&str, [f32; 2], Theme, &[Command]); 9] = [
+const WINDOWS: [(&str, [f32; 2], Theme, &[Command]); 12] = [
     ("projector-720", [1280.0, 720.0], Theme::Projector, &[]),
     ("dark-720", [1280.0, 720.0], Theme::Dark, &[]),
     ("present-720", [1280.0, 720.0], Theme::Projector, &[Command::Present]),
@@ -42,6 +42,9 @@ const WINDOWS: [(&str, [f32; 2], Theme, &[Command]); 9] = [
     ("light-1080", [1920.0, 1080.0], Theme::Light, &[]),
     ("projector-1080", [1920.0, 1080.0], Theme::Projector, &[]),
     ("dark-390", [844.0, 390.0], Theme::Dark, &[]),
+    ("compare-720", [1280.0, 720.0], Theme::Projector, &[Command::Compare]),
+    ("chooser-720", [1280.0, 720.0], Theme::Projector, &[Command::Estimators]),
+    ("chooser-1080", [1920.0, 1080.0], Theme::Light, &[Command::Estimators]),
     ("landscape-720", [1280.0, 720.0], Theme::Projector, &[Command::Landscape]),
     ("landscape-1080", [1920.0, 1080.0], Theme::Light, &[Command::Landscape]),
 ];

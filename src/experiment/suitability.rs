@@ -23,6 +23,8 @@ pub enum Merit {
     Example,
     /// It has two views, which the estimator compares.
     Views,
+    /// It has measured depths, which the estimator uses.
+    Depths,
     /// It has detections, which the estimator tracks.
     Detections,
     /// Its true objects are known, which the estimator begins with.
@@ -31,13 +33,14 @@ pub enum Merit {
 
 impl Merit {
     /// Every reason, the strongest first.
-    pub const ALL: [Self; 4] = [Self::Example, Self::Views, Self::Detections, Self::Objects];
+    pub const ALL: [Self; 5] = [Self::Example, Self::Views, Self::Depths, Self::Detections, Self::Objects];
 
     /// The reason in one sentence.
     pub fn words(self) -> &'static str {
         match self {
             Self::Example => "This clip is its example.",
             Self::Views => "It compares the two views of the clip.",
+            Self::Depths => "It uses the measured depths of the clip.",
             Self::Detections => "It tracks the detections of the clip.",
             Self::Objects => "It begins with the true objects.",
         }
@@ -103,6 +106,7 @@ fn missing(estimator: &dyn AnyEstimator, clip: &Clip) -> Option<Flaw> {
 fn merit(estimator: &dyn AnyEstimator, clip: &Clip) -> Option<Merit> {
     let has_objects = clip.truth().is_some_and(|truth| truth.kinds().contains(&"objects"));
     match estimator.guarantee() {
+        Guarantee::SceneFlow if clip.right().is_none() => Some(Merit::Depths),
         Guarantee::Disparity | Guarantee::SceneFlow => Some(Merit::Views),
         _ if !estimator.needs_pictures() && clip.detections(0).is_some() => Some(Merit::Detections),
         Guarantee::Region if has_objects => Some(Merit::Objects),

@@ -303,10 +303,12 @@ impl Layout<'_> {
                 None => Placement::new(rect.min, zoom),
             };
             let pixels = Arc::new(pixels);
-            self.panel((panel, placement), rect, &pixels, part);
-            self.freehand((panel, placement), index / in_a_row.max(1), rect);
-            sites.push(LinkSite { panel, place: placement, pane: rect });
-            if magnified.is_some() && is_first {
+            let is_flat = self.panel((panel, placement), rect, &pixels, part);
+            if is_flat {
+                self.freehand((panel, placement), index / in_a_row.max(1), rect);
+                sites.push(LinkSite { panel, place: placement, pane: rect });
+            }
+            if magnified.is_some() && is_first && is_flat {
                 self.map((rect, placement), &pixels, Work::of(part.scene, part.pictures.pair[0].size()));
             }
             x += size[0] + GAP;
@@ -374,12 +376,12 @@ impl Layout<'_> {
         }
     }
 
-    fn panel(&mut self, at: (Panel, Placement), rect: Rect, pixels: &Arc<Grid<[u8; 4]>>, part: &Part<'_>) {
+    fn panel(&mut self, at: (Panel, Placement), rect: Rect, pixels: &Arc<Grid<[u8; 4]>>, part: &Part<'_>) -> bool {
         let (panel, placement) = at;
         if let Some(layer) = self.landscape(at, rect, pixels, part) {
             self.pictures.push(layer);
             self.panels.push(at);
-            return;
+            return false;
         }
         let Pictures { layer, streaks, .. } = &part.pictures;
         // What is smaller than on the sheet's own pixels is reduced, so that none of it is skipped.
@@ -413,6 +415,7 @@ impl Layout<'_> {
             self.pictures.push(Layer { clip: Some(clip), primitives: chunk.to_vec() });
         }
         self.panels.push(at);
+        true
     }
 
     /// A panel that is leaned back, with what rises from it.

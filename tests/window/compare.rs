@@ -131,5 +131,5 @@ fn a_sweep_says_which_run_is_best() {
     window.harness.get_by_label_contains("Search range: ").click();
     window.compared();
     assert!(cards(&window).is_empty(), "the plot has their place");
-    assert!(window.harness.query_by_label_contains("Best EPE px: 0.626, Diamond search with").is_some());
+    assert!(window.harness.query_by_label_contains("Best EPE: 0.626 px, Diamond search with").is_some());
 }

@@ -27,10 +27,11 @@ impl Window {
         ctx.memory(|memory| memory.focused()).and_then(|id| ctx.read_response(id)).map(|response| response.rect)
     }
 
-    /// The panes in the order of Tab in which a place lies.
+    /// The pane to which a place belongs: small pictures lie beside the stage, next to what is told.
     fn pane(&self, at: Pos2) -> Option<Region> {
-        let regions = self.app().regions();
-        ORDER.into_iter().find(|pane| regions.iter().any(|(region, rect)| region == pane && rect.contains(at)))
+        let panes = self.app().regions().iter().filter(|(region, _)| ORDER.contains(region));
+        let far = |rect: &Rect| rect.distance_sq_to_pos(at);
+        panes.min_by(|(_, a), (_, b)| far(a).total_cmp(&far(b))).map(|(region, _)| *region)
     }
 
     /// Everything that Tab leads to from the first widget on, once round.
@@ -156,8 +157,9 @@ fn nameless(window: &Window) -> Vec<String> {
             .into_iter()
             .any(|action| of.data().supports_action(action));
         let is_named = of.label().is_some_and(|label| !label.trim().is_empty());
-        // A label is its own name.
-        (acts || roles.contains(&of.role())) && of.role() != Role::Label && !is_named
+        // A label is its own name, and a bar for scrolling that of its pane.
+        let needs_none = [Role::Label, Role::ScrollBar].contains(&of.role());
+        (acts || roles.contains(&of.role())) && !needs_none && !is_named
     };
     let nodes = window.harness.root().children_recursive().filter(is_nameless);
     nodes.map(|node| format!("{:?} at {}", node.accesskit_node().role(), node.rect())).collect()

@@ -101,3 +101,19 @@ fn a_saved_session_leans_as_the_window_did() {
     let differ = flat.pixels().zip(leaned.pixels()).filter(|(a, b)| a != b).count();
     assert!(differ > flat.pixels().len() / 4, "{differ} pixels differ");
 }
+
+#[test]
+fn a_question_is_not_answered_by_the_landscape() {
+    let mut window = window();
+    window.key(Key::P);
+    assert!(leans(&window));
+    window.command(Command::Predict);
+    for _ in 0..20 {
+        if window.app().predict().open().is_some() {
+            break;
+        }
+        window.key(Key::ArrowRight);
+    }
+    assert!(window.app().predict().open().is_some(), "a search asks");
+    assert!(!leans(&window));
+}

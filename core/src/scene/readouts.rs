@@ -313,6 +313,8 @@ pub struct Surface {
     pub best: Option<[i32; 2]>,
     /// The costs that the search did not work out, once it is over and others know better; NaN where it did.
     pub untested: Option<Grid<f32>>,
+    /// The costs that a search has yet to work out, where the whole landscape is shown; NaN elsewhere. None of them is missed.
+    pub ahead: Option<Grid<f32>>,
     /// The displacements between pixels that were tested.
     pub between: Vec<BetweenPixels>,
     /// The true displacement in px, once the search is over, where it is known.
@@ -377,6 +379,7 @@ impl Surface {
             probe: None,
             best: None,
             untested: None,
+            ahead: None,
             between: Vec::new(),
             truth: None,
             footing: None,
@@ -387,19 +390,24 @@ impl Surface {
     #[must_use]
     pub fn landscape(&self) -> Self {
         let whole = self.footing.as_ref().and_then(|footing| footing.whole.as_ref());
-        let untested = whole.map(|whole| {
+        let ahead = whole.filter(|_| self.untested.is_none()).map(|whole| {
             let (width, height) = whole.size();
-            let left_out = |x, y| if self.values[(x, y)].is_finite() { f32::NAN } else { whole[(x, y)] };
-            Grid::from_fn(width, height, left_out)
+            let left = |x, y| if self.values[(x, y)].is_finite() { f32::NAN } else { whole[(x, y)] };
+            Grid::from_fn(width, height, left)
         });
-        Self { untested: untested.or_else(|| self.untested.clone()), ..self.clone() }
+        Self { ahead, ..self.clone() }
     }
 
     /// The cost of a cell, tested or not; `None` where it is not known.
     pub fn cost(&self, x: usize, y: usize) -> Option<f32> {
-        let untested = || self.untested.as_ref()?.get(x, y);
         let tested = self.values.get(x, y).filter(|cost| cost.is_finite());
-        tested.or_else(untested).copied().filter(|cost| cost.is_finite())
+        let others = || self.faint().find_map(|costs| costs.get(x, y));
+        tested.or_else(others).copied().filter(|cost| cost.is_finite())
+    }
+
+    /// The costs that the search has not worked out, as far as they are known.
+    pub fn faint(&self) -> impl Iterator<Item = &Grid<f32>> {
+        self.untested.iter().chain(&self.ahead)
     }
 
     /// The displacement of minimum cost, or of maximum similarity, that the search has missed, and that value.
@@ -511,6 +519,7 @@ impl Surface {
             values: part(&self.values),
             events: Grid::from_fn(size.0, size.1, |x, y| self.events[(left + x, top + y)]),
             untested: self.untested.as_ref().map(part),
+            ahead: self.ahead.as_ref().map(part),
             footing: self.footing.as_ref().map(footing),
             ..self.clone()
         }
@@ -664,6 +673,19 @@ pub struct Spread {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_a_search_has_yet_to_test_is_not_missed() {
+        let values = Grid::from_fn(3, 1, |x, _| if x == 0 { 7.0 } else { f32::NAN });
+        let whole = Some(Grid::from_fn(3, 1, |x, _| 7.0 - x as f32));
+        let footing = Some(Footing { whole, ..Footing::new(Picture::NEXT, [4.0; 2]) });
+        let surface = Surface { footing, ..Surface::new("SAD", [0, 0], values, Grid::new(3, 1, None)) };
+        let ahead = surface.landscape();
+        assert_eq!((ahead.cost(2, 0), ahead.missed()), (Some(5.0), None));
+        let untested = Some(Grid::from_fn(3, 1, |x, _| if x == 0 { f32::NAN } else { 7.0 - x as f32 }));
+        let over = Surface { untested, ..surface }.landscape();
+        assert_eq!((over.cost(2, 0), over.missed()), (Some(5.0), Some(([2, 0], 5.0))));
+    }
 
     #[test]
     fn a_surface_is_cut_to_what_was_tested() {

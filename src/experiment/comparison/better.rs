@@ -14,7 +14,7 @@ pub enum Better {
 }
 
 /// Costs and errors. Columns that are in neither list count something, or trade one quality for another.
-const SMALLER: [&str; 25] = [
+const SMALLER: [&str; 24] = [
     "candidates_mean",
     "candidates_most",
     "ms",
@@ -22,7 +22,6 @@ const SMALLER: [&str; 25] = [
     "missed_percent",
     "epe_px",
     "residual_kb",
-    "vectors_kb",
     "center_error_px",
     "failures",
     "switches",
@@ -69,7 +68,7 @@ impl Column {
         of(&SMALLER, Better::Smaller).or_else(|| of(&LARGER, Better::Larger))
     }
 
-    /// Returns for each row whether its number, as shown, is the best of the column. None is where all are alike.
+    /// Returns for each row whether its number, as shown, is the best of the column. No row is where all are alike.
     pub fn best<R: Borrow<Row>>(&self, rows: &[R]) -> Vec<bool> {
         let shown: Vec<_> = rows.iter().map(|row| self.shown(row.borrow())).collect();
         let all = || shown.iter().copied().flatten();

@@ -115,14 +115,20 @@ fn name_and_unit(heading: &str) -> (&str, &'static str) {
 
 /// The best run of a sweep.
 fn best_run<R: Borrow<Row>>(rows: &[R]) -> String {
-    let is_known = |column: &Column| rows.iter().any(|row| column.shown(row.borrow()).is_some());
-    let Some((column, _)) = measured().find(|(column, _)| is_known(column)) else {
-        return "No score or error tells these runs apart.".to_owned();
+    let known = |column: &Column| rows.iter().filter(|row| column.shown((*row).borrow()).is_some()).count();
+    let Some((column, _)) = measured().find(|(column, _)| known(column) > 1) else {
+        return "No score or error is known of two of these runs.".to_owned();
+    };
+    let (name, unit) = name_and_unit(column.heading);
+    let unknown = match rows.len() - known(&column) {
+        0 => String::new(),
+        1 => format!(" 1 run has no {name}."),
+        count => format!(" {count} runs have no {name}."),
     };
     let best = column.best(rows);
     let mut winners = rows.iter().map(Borrow::borrow).zip(&best).filter(|(_, is_best)| **is_best).map(|(row, _)| row);
     let Some(first) = winners.next() else {
-        return format!("{}: no difference between these runs.", capital(column.heading));
+        return format!("{}: no difference between these runs.{unknown}", capital(name));
     };
     let at = first.swept.as_ref().map_or_else(String::new, |(name, value)| format!(" with {name} {value}"));
     let others = match winners.count() {
@@ -130,7 +136,11 @@ fn best_run<R: Borrow<Row>>(rows: &[R]) -> String {
         1 => ", and 1 other run".to_owned(),
         count => format!(", and {count} other runs"),
     };
-    format!("Best {}: {}, {}{at}{others}.", column.heading, column.text(first), first.estimator.info().name)
+    let value = match unit.trim() {
+        "percentage points" => format!("{} %", column.text(first)),
+        _ => format!("{}{unit}", column.text(first)),
+    };
+    format!("Best {name}: {value}, {}{at}{others}.{unknown}", first.estimator.info().name)
 }
 
 #[cfg(test)]
@@ -191,9 +201,11 @@ mod tests {
             ..row("diamond", 5.0, &[(&EPE, epe)])
         };
         let runs = [swept("8", 0.5), swept("16", 0.3), swept("32", 0.3)];
-        assert_eq!(sentences(&runs), ["Best EPE px: 0.300, Diamond search with block 16, and 1 other run."]);
-        assert_eq!(sentences(&runs[1..]), ["EPE px: no difference between these runs."]);
-        let unscored = Row { swept: Some(("block".into(), "8".into())), ..row("diamond", 5.0, &[]) };
-        assert_eq!(sentences(&[unscored]), ["No score or error tells these runs apart."]);
+        assert_eq!(sentences(&runs), ["Best EPE: 0.300 px, Diamond search with block 16, and 1 other run."]);
+        assert_eq!(sentences(&runs[1..]), ["EPE: no difference between these runs."]);
+        let unscored = || Row { swept: Some(("block".into(), "8".into())), ..row("diamond", 5.0, &[]) };
+        let some = [swept("8", 0.5), swept("16", 0.3), unscored()];
+        assert_eq!(sentences(&some), ["Best EPE: 0.300 px, Diamond search with block 16. 1 run has no EPE."]);
+        assert_eq!(sentences(&[unscored()]), ["No score or error is known of two of these runs."]);
     }
 }

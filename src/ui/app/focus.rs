@@ -130,7 +130,7 @@ fn pane_of(widget: &WidgetRect, panes: &[(Region, Rect)], before: usize) -> usiz
     nearest.map_or(before, |(pane, _)| pane)
 }
 
-/// Sorts stops by rows, and each row from left to right. What reaches into the upper half of the first of a row stands in it.
+/// Sorts stops by rows, and each row from left to right. A row has all whose centres lie above the lower edge of its first.
 fn in_rows(stops: &mut [Stop]) {
     stops.sort_by(|a, b| a.rect.center().y.total_cmp(&b.rect.center().y));
     let mut rest = stops;

@@ -129,16 +129,19 @@ impl Escape {
 /// What is typed behind the key that opens a field, before that is there.
 struct Opening {
     command: Command,
+    /// The letter of that key, until it is typed: it is no part of the text.
+    own: &'static str,
     typed: String,
     /// Whether Enter came behind it.
     is_entered: bool,
 }
 
 impl Opening {
-    /// The field that `command` opens, if it opens one that waits for text.
-    fn of(command: Command) -> Option<Self> {
+    /// The field that `command` opens, called by `key`, if it opens one that waits for text.
+    fn of(command: Command, key: Key) -> Option<Self> {
         matches!(command, Command::Palette | Command::SearchText | Command::Estimators | Command::Open).then(|| Self {
             command,
+            own: key.name(),
             typed: String::new(),
             is_entered: false,
         })
@@ -154,7 +157,7 @@ impl Opening {
             }
             let Event::Key { key, modifiers, pressed: true, .. } = event else { return true };
             if escaped {
-                opening = Command::of_key(*key, *modifiers, false).and_then(Self::of);
+                opening = Command::of_key(*key, *modifiers, false).and_then(|command| Self::of(command, *key));
             }
             escaped |= *key == Key::Escape;
             opening.is_none()
@@ -172,6 +175,7 @@ impl Opening {
     /// Takes what is typed; gives whether `event` is left to others.
     fn take(&mut self, event: &Event) -> bool {
         match event {
+            Event::Text(text) if text.eq_ignore_ascii_case(std::mem::take(&mut self.own)) => {}
             Event::Text(text) => self.typed.push_str(text),
             Event::Paste(text) => self.typed.push_str(text.trim()),
             Event::Key { key: Key::Backspace, pressed: true, .. } => drop(self.typed.pop()),
@@ -277,7 +281,7 @@ pub fn take(ctx: &egui::Context, overlaid: bool, now: &Situation, actions: &mut 
                 }
                 moved |= matches!(key, Key::ArrowLeft | Key::ArrowRight);
                 if command.enabled(now) {
-                    opening = Opening::of(command);
+                    opening = Opening::of(command, *key);
                     actions.command(command);
                 } else if command.why_disabled(now).is_some() {
                     actions.command(command);
@@ -405,7 +409,7 @@ mod tests {
 
     #[test]
     fn what_is_typed_behind_the_key_that_opens_a_field_goes_into_it() {
-        let mut opening = Opening::of(Command::Palette).unwrap();
+        let mut opening = Opening::of(Command::Palette, Key::K).unwrap();
         let key = |key, pressed| Event::Key {
             key,
             physical_key: None,
@@ -424,6 +428,11 @@ mod tests {
         assert!(events.iter().all(|event| !opening.take(event)));
         assert!(opening.take(&Event::PointerGone));
         assert!(opening.typed == "py" && opening.is_entered);
-        assert!(Opening::of(Command::Play).is_none());
+        assert!(Opening::of(Command::Play, Key::Space).is_none());
+        let mut opening = Opening::of(Command::Estimators, Key::A).expect("a field");
+        for text in ["a", "a", "d"] {
+            opening.take(&Event::Text(text.into()));
+        }
+        assert_eq!(opening.typed, "ad", "its own letter opens it");
     }
 }

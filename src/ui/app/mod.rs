@@ -6,7 +6,7 @@ mod camera;
 pub mod commands;
 mod files;
 mod find;
-pub mod focus;
+mod focus;
 mod keys;
 mod lessons;
 mod predict;

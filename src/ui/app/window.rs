@@ -629,6 +629,7 @@ impl App {
             can_be_closed: self.settings.is_narrow,
             has_no_status: room.mode.is_lecture(),
             flows: !self.settings.reduced_motion,
+            is_asked: self.predict.open().is_some(),
             gpu,
             presented: self.presentation.presented(),
             look: &mut self.settings.look,

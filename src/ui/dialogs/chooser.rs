@@ -6,7 +6,7 @@ use std::ops::Range;
 use eframe::egui::text::LayoutJob;
 use eframe::egui::{
     self, Align, Key, Label, Layout, Margin, Modifiers, Rect, RichText, ScrollArea, Sense, TextEdit, TextStyle, Ui,
-    pos2, vec2,
+    Vec2, pos2, vec2,
 };
 use lucide_icons::Icon;
 use motionscope_core::{Info, estimators, examples, lockstep};
@@ -156,6 +156,14 @@ impl State {
         (self.lit, self.is_moved) = (best.unwrap_or(0), true);
     }
 
+    /// Lights the next card that way. Up and down stay in their column.
+    fn go(&mut self, way: Vec2) {
+        let Some((_, from)) = self.cards.iter().find(|(card, _)| *card == self.lit) else { return };
+        let is_there = |rect: &Rect| way.y == 0.0 || rect.x_range() == from.x_range();
+        let cards: Vec<_> = self.cards.iter().filter(|(_, rect)| is_there(rect)).copied().collect();
+        (self.lit, self.is_moved) = (arrows::nearest(&cards, *from, way).unwrap_or(self.lit), true);
+    }
+
     /// What is shown: all with those first that suit the clip, or what the query finds, by family.
     fn groups(&self) -> Vec<Group> {
         let is_asked = !self.query.trim().is_empty();
@@ -252,11 +260,7 @@ pub fn show(
             (arrows::pressed(&mut hit), hit(Key::Enter))
         });
         is_closed = head(ui, state);
-        if let Some(way) = way {
-            let from = state.cards.iter().find(|(card, _)| *card == state.lit);
-            let to = from.and_then(|(_, from)| arrows::nearest(&state.cards, *from, way));
-            (state.lit, state.is_moved) = (to.unwrap_or(state.lit), true);
-        }
+        way.into_iter().for_each(|way| state.go(way));
         let small = TextStyle::Small.resolve(ui.style()).size;
         let foot = (2.7 * small).round();
         let room = vec2(ui.available_width(), screen.y - 4.0 * margin - ui.min_size().y - foot - 24.0);
@@ -324,7 +328,7 @@ struct List<'a> {
 
 impl List<'_> {
     /// Shows columns of groups in as much room, which scroll where they are longer.
-    fn show(&mut self, ui: &mut Ui, room: egui::Vec2) {
+    fn show(&mut self, ui: &mut Ui, room: Vec2) {
         let size = TextStyle::Body.resolve(ui.style()).size;
         let groups = self.state.groups();
         let lengths: Vec<usize> = groups.iter().map(|group| self.state.length(group)).collect();

@@ -25,12 +25,12 @@ pub enum Place {
     Strewn,
     /// In everything together.
     About,
-    /// In what people call it.
-    Tags,
     /// In the name together with the kind, and the menu or the name for scripts.
     Beside,
     /// In the name.
     Name,
+    /// In what people call it.
+    Tags,
     /// The name begins with it.
     Begins,
 }
@@ -45,9 +45,9 @@ pub fn rank(query: &str, Words { name, also, kind, tags, about }: Words<'_>) -> 
     let own = name.split_once(": ").map_or(name, |(_, own)| own);
     let place = match () {
         () if begins(query, own) || begins(query, also) => Place::Begins,
+        () if mentions(query, tags) => Place::Tags,
         () if mentions(query, name) => Place::Name,
         () if mentions(query, &beside) => Place::Beside,
-        () if mentions(query, tags) => Place::Tags,
         () if mentions(query, &format!("{beside} {tags} {about}")) => Place::About,
         () => return Some((Place::Strewn, score?)),
     };

@@ -26,7 +26,7 @@ const CLIP_PX: (usize, usize) = (160, 120);
 /// Units of a run that has no pass over the picture, after which its step is taken.
 const UNITS: usize = 8;
 /// After this time the step at which the run stands is taken.
-const LIMIT: Duration = Duration::from_secs(2);
+const LIMIT: Duration = Duration::from_secs(8);
 
 /// The pictures by the ids of their estimators.
 #[derive(Default)]

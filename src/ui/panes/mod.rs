@@ -163,6 +163,8 @@ pub struct Panes<'a> {
     pub shares: &'a mut Shares,
     /// Whether a step may move.
     pub animate: bool,
+    /// Whether a question is open, whose answer must not be seen.
+    pub is_asked: bool,
     /// Whether particles may.
     pub flows: bool,
     /// Whether the parameters take the room of other panes.
@@ -326,7 +328,7 @@ impl Panes<'_> {
             pictures: &shown.pictures,
             frame: shown.frame,
             scene: &shown.scene,
-            step: Some(&shown.step),
+            step: Some(&shown.step).filter(|_| !self.is_asked),
             cursor: shown.cursor,
             lockstep: self.lockstep(shown),
             stands: shown.stands(shown.subject.experiment.estimator.shows_frame_alone()),

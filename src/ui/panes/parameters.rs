@@ -126,7 +126,7 @@ fn beside(ui: &mut Ui, input: Input<'_>, state: &mut State, actions: &mut Action
         let mut fold = CollapsingState::load_with_default_open(ui.ctx(), id, false);
         let name = format!("{} {}", index + 2, info.name);
         ui.horizontal(|ui| {
-            fold.show_toggle_button(ui, collapsing_header::paint_default_icon);
+            triangle(ui, &mut fold, &name);
             let label = egui::Label::new(name.clone()).truncate().selectable(false).sense(Sense::click());
             let room = ui.available_width() - 2.0 * ui.spacing().interact_size.x;
             let label = ui.scope(|ui| {
@@ -222,6 +222,14 @@ fn rows(ui: &mut Ui, section: &str, all: Vec<Row<'_>>, state: &mut State, action
     });
 }
 
+/// The triangle that folds or unfolds what is called `name`.
+fn triangle(ui: &mut Ui, fold: &mut CollapsingState, name: &str) -> Response {
+    let pressed = fold.show_toggle_button(ui, collapsing_header::paint_default_icon);
+    let words = if fold.is_open() { format!("Fold {name}") } else { format!("Unfold {name}") };
+    pressed.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, &words));
+    pressed
+}
+
 /// The rows of advanced parameters, folded until they are asked for.
 fn fold_advanced(ui: &mut Ui, section: &str, rows: &[Row<'_>], state: &mut State, actions: &mut Actions) {
     let was_open = state.unfolded.contains(section);
@@ -231,7 +239,7 @@ fn fold_advanced(ui: &mut Ui, section: &str, rows: &[Row<'_>], state: &mut State
     let changed = rows.iter().filter(|row| row.is_changed()).count();
     let text = if changed > 0 { format!("Advanced ({changed} changed)") } else { "Advanced".to_owned() };
     let header = ui.horizontal(|ui| {
-        let pressed = fold.show_toggle_button(ui, collapsing_header::paint_default_icon).clicked();
+        let pressed = triangle(ui, &mut fold, &text).clicked();
         let label = ui.add(egui::Label::new(dim(ui, &text)).wrap().selectable(false).sense(Sense::click()));
         label.widget_info(|| WidgetInfo::selected(egui::Role::DisclosureTriangle, true, was_open, &text));
         let tip = "Parameters that are seldom changed.";
@@ -265,8 +273,9 @@ fn of_stage(ui: &mut Ui, parent: &Row<'_>, stage: &StageValue, state: &mut State
     // They are many, and good as they are until someone asks.
     let mut fold = CollapsingState::load_with_default_open(ui.ctx(), id, false);
     let header = ui.horizontal(|ui| {
-        fold.show_toggle_button(ui, collapsing_header::paint_default_icon);
-        let name = dim(ui, format!("{} in detail", part.name()));
+        let words = format!("{} in detail", part.name());
+        triangle(ui, &mut fold, &words);
+        let name = dim(ui, words);
         let name = egui::Label::new(name).wrap().selectable(false).sense(Sense::click());
         if ui.add(name).on_hover_text(part.summary()).clicked() {
             fold.toggle(ui);

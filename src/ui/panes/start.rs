@@ -315,11 +315,11 @@ impl Drawn<'_, '_> {
         widgets::heading(ui, "Begin with an estimator");
         let all: Vec<_> = estimators().iter().map(|estimator| estimator.info()).collect();
         let families: Vec<_> = all.chunk_by(|a, b| a.family == b.family).collect();
-        self.grid(ui, 2.9, &families, |page, ui, rect, family| {
+        self.grid(ui, 3.3, &families, |page, ui, rect, family| {
             let first = family[0];
             let note = format!("{} estimators", family.len());
             let texture = ui.is_rect_visible(rect).then(|| page.previews.steps.picture(first.id)).flatten();
-            let card = Card { title: first.family, note: &note, picture: rect.height() - 10.0, texture, ..page.card() };
+            let card = Card { title: first.family, note: &note, picture: rect.height() - 24.0, texture, ..page.card() };
             if page.entry(ui, rect, card).clicked() {
                 page.actions.ask(Action::Type(Command::Estimators, first.family.to_owned(), false));
             }

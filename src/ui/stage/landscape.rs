@@ -62,6 +62,7 @@ impl Landscapes {
             Some((step, surface))
         });
         if let Some((step, surface)) = found
+            && (input.look.landscape || shown.amount > 0.0)
             && shown.of.as_ref().is_none_or(|(known, _)| !Arc::ptr_eq(known, step))
         {
             shown.of = Some((Arc::clone(step), surface.landscape()));
@@ -84,12 +85,16 @@ impl Landscapes {
 
     /// Whether the picture of a spot leans, so that its pixels are not where its lens has them.
     pub(super) fn leans(&self, spot: &Spot<'_>) -> bool {
-        self.on(spot, Orbit::default()).is_some()
+        let footing =
+            |shown: &Shown| shown.of.as_ref().and_then(|(_, surface)| surface.footing.as_ref()).map(|of| of.on);
+        let shown = self.all.get(spot.member).filter(|shown| shown.amount > 0.0 && !spot.is_small);
+        shown.and_then(footing).is_some_and(|on| spot.panel.shows(on))
     }
 
     /// The displacement that was clicked in the landscape of a spot.
     pub(super) fn clicked(&self, spot: &Spot<'_>, sensed: &egui::Response, orbit: Orbit) -> Option<[i32; 2]> {
-        let at = sensed.interact_pointer_pos().filter(|_| sensed.clicked())?;
+        // A double click returns to the usual view.
+        let at = sensed.interact_pointer_pos().filter(|_| sensed.clicked() && !sensed.double_clicked())?;
         self.on(spot, orbit)?.displacement_at(at.into(), REACH_PT)
     }
 }

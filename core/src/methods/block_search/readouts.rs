@@ -48,6 +48,7 @@ impl Probe<'_> {
             // A sub-pixel position is not on the cost surface; a fitted one stays where it was tested.
             best: self.best().filter(|best| is_fitted || best.fraction == [0.0; 2]).map(|best| best.displacement),
             untested: self.untested(&whole),
+            ahead: None,
             between: self.between(),
             truth: self.truth_in_window().filter(|_| self.is_over()),
             footing: Some(Footing { whole: Some(whole), ..Footing::new(Picture::NEXT, self.block().center()) }),

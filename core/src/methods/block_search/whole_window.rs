@@ -1,4 +1,4 @@
-//! What full search finds in a search window: worked out only to explain the end of a block.
+//! What full search finds in a search window: worked out only to explain a step.
 
 use super::probe::Probe;
 use super::{Displacement, Match, Patch, Window, shorter};

@@ -11,7 +11,8 @@ use motionscope_core::{Grid, Role, Step};
 use super::super::super::marks::Placement;
 use super::super::super::primitive::{Arrow, Arrows, Line, Point, Primitive, Rect, Trails};
 use super::super::super::{ColorMap, Theme};
-use super::super::canvas::{Canvas, middle};
+use super::super::canvas::{Canvas, middle, solid};
+use super::super::heat_map::any_cost;
 use super::super::{ChartStyle, Orbit, Screen};
 use super::mesh::{self, Bench};
 use super::{polygons, stand};
@@ -27,6 +28,8 @@ const FADES: [f32; 2] = [3.0, 11.0];
 const DIMMED: f32 = 0.6;
 /// The least height of a landscape: what is quite flat cannot be turned back into a place.
 const LEAST_RISE: f32 = 1e-4;
+/// How much steeper than on its chart one looks down on a surface: the picture under it is to be seen as well.
+const STEEPER_RAD: f32 = 0.22;
 /// The height from which a candidate falls on the surface, whose highest cost is at 1.
 const DROP: f32 = 1.2;
 /// Side of the triangles of the ground in its middle, and how much longer each is than the one before it.
@@ -110,7 +113,7 @@ impl<'a> Landscape<'a> {
         // The shorter way round.
         let yaw = between(0.0, orbit.yaw_rad - TAU * (orbit.yaw_rad / TAU).round());
         let (sin_yaw, cos_yaw) = yaw.sin_cos();
-        let (sin_pitch, cos_pitch) = between(FRAC_PI_2, orbit.pitch_rad).sin_cos();
+        let (sin_pitch, cos_pitch) = between(FRAC_PI_2, (orbit.pitch_rad + STEEPER_RAD).min(FRAC_PI_2)).sin_cos();
         self.eye = target + distance * Vec3::new(cos_pitch * sin_yaw, sin_pitch, cos_pitch * cos_yaw);
         let up = Vec3::new(-sin_pitch * sin_yaw, cos_pitch, -sin_pitch * cos_yaw);
         let [near, far] = SEEN.map(|share| share * distance);
@@ -139,8 +142,7 @@ impl<'a> Landscape<'a> {
 
     /// Where the cost at a displacement is seen.
     pub fn seen(&self, displacement: [i32; 2]) -> Option<Point> {
-        let cell = [0, 1].map(|i| (displacement[i] - self.bench.origin[i]) as usize);
-        let cost = self.surface.cost(cell[0], cell[1])?;
+        let cost = any_cost(self.surface, displacement)?;
         self.project(self.bench.place(displacement.map(|c| c as f32), cost))
     }
 
@@ -263,7 +265,21 @@ impl<'a> Landscape<'a> {
         if self.rise < 1.0 {
             return [Vec::new(), Vec::new()];
         }
-        stand(self.surface, (self.screen, self.eye), false, theme).map(Canvas::into_primitives)
+        let [mut behind, before] = stand(self.surface, (self.screen, self.eye), false, theme);
+        for post in self.posts() {
+            behind.line(post.to_vec(), false, solid(1.0, theme.chrome().dim));
+        }
+        [behind, before].map(Canvas::into_primitives)
+    }
+
+    /// Where the corners of the surface stand on the ground.
+    fn posts(&self) -> impl Iterator<Item = [Point; 2]> {
+        let [right, bottom] = self.bench.size.map(|side| side.saturating_sub(1));
+        [[0, 0], [right, 0], [right, bottom], [0, bottom]].into_iter().filter_map(|cell| {
+            let cost = self.surface.cost(cell[0], cell[1])?;
+            let foot = |cost| self.project(self.bench.place(self.bench.displacement(cell), cost));
+            Some([foot(self.bench.bottom)?, foot(cost)?])
+        })
     }
 
     /// The surface itself.

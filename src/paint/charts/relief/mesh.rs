@@ -58,10 +58,10 @@ impl Bench {
     pub fn new(surface: &Surface) -> Self {
         let (width, height) = surface.values.size();
         let top = surface.range().map_or(1.0, |[_, high]| surface.scale.map_or(high, |scale| scale[1].max(high)));
-        let untested = surface.untested.iter().flat_map(|costs| costs.cells().iter().copied());
-        let top = untested.filter(|cost| cost.is_finite()).fold(top, f32::max);
+        let others = || surface.faint().flat_map(|costs| costs.cells()).copied().filter(|cost| cost.is_finite());
+        let top = others().fold(top, f32::max);
         let top = if top > 0.0 { top } else { 1.0 };
-        let bottom = surface.range().map_or(0.0, |[low, _]| low.min(0.0));
+        let bottom = others().fold(surface.range().map_or(0.0, |[low, _]| low.min(0.0)), f32::min);
         Self { origin: surface.origin, size: [width, height], bottom, top }
     }
 
@@ -160,7 +160,7 @@ pub fn grid(surface: &Surface, colors: ColorMap) -> Corners {
     };
     let all = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| corner(x, y)).collect();
     // On a faint surface the tested cells lie as small figures.
-    let raised = surface.untested.as_ref().map_or(Vec::new(), |_| {
+    let raised = surface.faint().next().map_or(Vec::new(), |_| {
         surface.path().into_iter().map(|at| [0, 1].map(|i| (at[i] - surface.origin[i]) as usize)).collect()
     });
     Corners { bench, size: [width, height], all, raised }
