@@ -100,7 +100,7 @@ fn nothing_of_a_comparison_is_cut_in_a_lecture_hall() {
         for (estimator, added, names) in [
             ("full-search", [].as_slice(), ["Full search", "Diamond search"]),
             ("full-search", four, ["Full search", "Predictive search"]),
-            ("lucas-kanade", &[], ["Lucas–Kanade", "Horn–Schunck"]),
+            ("lucas-kanade", &[], ["Lucas–Kanade", "Normal flow"]),
         ] {
             let window = comparing(size, theme, estimator, added);
             assert_eq!(cards(&window).len(), if added.is_empty() { 3 } else { 4 }, "{estimator}, {theme:?}");
@@ -110,7 +110,8 @@ fn nothing_of_a_comparison_is_cut_in_a_lecture_hall() {
             assert!(bottom < size.y / window.harness.ctx.zoom_factor());
             let all = words(&window.harness.output().shapes);
             let own = all.iter().filter(|word| word.clip.max.x < right + 40.0 && word.clip.min.x > left - 40.0);
-            for word in own {
+            // A path is scrolled in its field.
+            for word in own.filter(|word| !word.text.ends_with(".csv")) {
                 let room = word.clip.expand(1.5);
                 assert!(room.contains_rect(word.rect), "{estimator}, {theme:?}: “{}” is cut off", word.text);
             }

@@ -130,12 +130,16 @@ fn pane_of(widget: &WidgetRect, panes: &[(Region, Rect)], before: usize) -> usiz
     nearest.map_or(before, |(pane, _)| pane)
 }
 
-/// Sorts stops by rows, and each row from left to right. A row has all whose centres lie above the lower edge of its first.
+/// Sorts stops by rows, and each row from left to right. A row has all whose centres lie above the lower edge of its first, and what is
+/// so high that it reaches past that one's centre.
 fn in_rows(stops: &mut [Stop]) {
     stops.sort_by(|a, b| a.rect.center().y.total_cmp(&b.rect.center().y));
     let mut rest = stops;
     while let Some(first) = rest.first().copied() {
-        let count = rest.iter().take_while(|stop| stop.rect.center().y <= first.rect.max.y - 1.0).count().max(1);
+        let is_beside = |stop: &&Stop| {
+            stop.rect.center().y <= first.rect.max.y - 1.0 || stop.rect.y_range().contains(first.rect.center().y)
+        };
+        let count = rest.iter().take_while(is_beside).count().max(1);
         let (row, others) = rest.split_at_mut(count);
         row.sort_by(|a, b| a.rect.min.x.total_cmp(&b.rect.min.x));
         rest = others;

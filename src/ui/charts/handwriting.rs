@@ -1,6 +1,6 @@
 //! What is drawn by hand on a chart that is presented.
 
-use eframe::egui::{CursorIcon, Rect, Sense, Ui, Vec2};
+use eframe::egui::{CursorIcon, Rect, Role, Sense, Ui, Vec2, WidgetInfo};
 use motionscope_core::Cursor;
 
 use crate::paint::{FreehandLine, Ground, PenColor, Theme, freehand_on_chart, primitive};
@@ -43,6 +43,7 @@ pub fn show(ui: &Ui, area: Rect, input: Input<'_>, line: &mut Option<FreehandLin
     };
     // Above the chart: what is drawn is no click on it.
     let sensed = ui.interact(area, ui.scope_id().with("handwriting"), Sense::click_and_drag());
+    sensed.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Ink on the chart"));
     if let Some(from) = pen::begun(&sensed, line.is_some()).filter(|from| area.contains(*from)) {
         let points = vec![(from - area.min).into()];
         *line = Some(FreehandLine { step, member, on, color, points });
