@@ -252,7 +252,7 @@ mod tests {
     fn what_is_not_set_is_left_as_it_is() {
         let mut file = Changes::default();
         file.set(4, "light").unwrap();
-        file.set(13, "on").unwrap();
+        file.set(14, "on").unwrap();
         let mut flags = Changes::default();
         flags.set(4, "projector").unwrap();
         let before = Look { arrow_spacing: Some(9), ..Look::default() };

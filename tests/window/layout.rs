@@ -15,6 +15,8 @@ const PARTS: usize = 4;
 const SIZES: [[f32; 2]; 5] = [[844.0, 390.0], [1024.0, 768.0], [1280.0, 720.0], [1920.0, 1080.0], [2560.0, 1440.0]];
 /// Pixels per point, for those of which half a window is a usual one.
 const SCALES: [f32; 3] = [1.0, 1.5, 2.0];
+/// How far the copies of a word in its halo lie from each other, at most.
+const HALO_PT: f32 = 8.0;
 /// Two words that share no more than this share of the smaller one's area only touch.
 const TOUCH: f32 = 0.12;
 
@@ -49,7 +51,16 @@ pub fn words(shapes: &[ClippedShape]) -> Vec<Word> {
     let mut all = Vec::new();
     shapes.iter().for_each(|clipped| texts(&clipped.shape, clipped.clip_rect, &mut all));
     all.retain(|word| word.clip.intersect(word.rect).is_positive());
-    all
+    // A halo is the same word, painted around it.
+    let mut once: Vec<Word> = Vec::new();
+    for word in all {
+        let is_halo =
+            |other: &Word| other.text == word.text && (other.rect.center() - word.rect.center()).length() < HALO_PT;
+        if !once.iter().any(is_halo) {
+            once.push(word);
+        }
+    }
+    once
 }
 
 fn rects(window: &Window, of: Region) -> Vec<Rect> {

@@ -46,6 +46,10 @@ fn seen_on(entry: &Spec) -> (Experiment, Look, Option<Cursor>) {
             let step = Cursor { unit: 5, event: 4 };
             (with("full-search", &[("range", "4")]), look, Some(step))
         }
+        "landscape" => {
+            let step = Cursor { unit: 5, event: 4 };
+            (with("full-search", &[("range", "4")]), Look { view: Some(View::Next), ..look }, Some(step))
+        }
         "colors" => (with("lucas-kanade", &[]), Look { layer: Some(FlowLayer::Magnitude), ..look }, None),
         "blend" => (with("full-search", &[("range", "4")]), Look { view: Some(View::Blend), ..look }, None),
         _ => (with("lucas-kanade", &[]), look, None),
