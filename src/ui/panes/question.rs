@@ -157,9 +157,8 @@ fn directions(ui: &mut Ui, open: &Open, height: f32, (theme, actions): (Theme, &
     let width = ((ui.available_width() - 2.0 * gap.x) / 3.0).min(PAD_LETTERS * size).floor();
     for row in (0..3).rev() {
         ui.horizontal(|ui| {
-            for index in 3 * row..3 * row + 3 {
+            for (index, &(arrow, name)) in all.iter().enumerate().skip(3 * row).take(3) {
                 // The middle has no arrow.
-                let (arrow, name) = all[index];
                 let text = if index == SAME_PLACE { name } else { arrow };
                 hand(ui, (index, text, name), open.guesses.hands[index], (theme, Some(width), actions));
             }

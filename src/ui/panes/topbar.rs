@@ -47,7 +47,7 @@ pub fn show(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     let size = TextStyle::Body.resolve(ui.style()).size;
     let roomy = ui.available_width() / size > ROOMY;
     MenuBar::new().ui(ui, |ui| {
-        brand(ui, input.look.theme, roomy);
+        brand(ui, input.look.theme, roomy && !input.has_strip);
         if roomy {
             for menu in Menu::ALL {
                 ui.menu_button(menu.name(), |ui| items(ui, menu, input, actions));
