@@ -73,12 +73,11 @@ fn eight_directions_and_the_same_place_lie_as_on_a_number_pad() {
         ["Lower left", "Below", "Lower right"],
     ];
     let places = rows.map(|row| row.map(at));
-    for i in 0..3 {
-        for j in 0..2 {
-            assert!(places[i][j].x < places[i][j + 1].x && (places[i][j].y - places[i][j + 1].y).abs() < 1.0);
-            assert!(places[j][i].y < places[j + 1][i].y && (places[j][i].x - places[j + 1][i].x).abs() < 1.0);
-        }
+    for row in &places {
+        assert!(row.windows(2).all(|pair| pair[0].x < pair[1].x && (pair[0].y - pair[1].y).abs() < 1.0));
     }
+    let is_over = |(above, below): (&Pos2, &Pos2)| above.y < below.y && (above.x - below.x).abs() < 1.0;
+    assert!(places.windows(2).all(|rows| rows[0].iter().zip(&rows[1]).all(is_over)));
     assert!(layout::words(&window.harness.output().shapes).iter().any(|word| word.text.ends_with("Same place")));
     window.click("Same place: 0");
     let hands = window.app().predict().open().map(|open| open.guesses.hands[4]);
