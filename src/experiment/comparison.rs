@@ -1,13 +1,13 @@
 //! The comparison of estimators: its rows, its columns, and the table as text, Markdown, CSV and JSON.
 
-mod better;
+mod best;
 pub mod conclusion;
 
 use std::borrow::Borrow;
 use std::time::{Duration, Instant};
 
 use motionscope_core::compare::Figures;
-use motionscope_core::products::{self, Assessment, Figure, KINDS, Measure, Reference};
+use motionscope_core::products::{self, Assessment, Better, Figure, KINDS, Measure, Reference};
 use motionscope_core::{AnyEstimator, Clip, Error, FRAMES, Threads, Value, detection, estimator, fixed, grouped};
 use serde_json::{Map, json};
 
@@ -133,6 +133,10 @@ pub struct Column {
     pub doc: &'static str,
     /// Decimals shown.
     digits: usize,
+    /// Which of two numbers is better, unless it counts something or trades one quality for another.
+    pub better: Option<Better>,
+    /// Whether it is a time, which differs from run to run.
+    is_time: bool,
     from: From,
 }
 
@@ -206,7 +210,15 @@ impl Column {
         (value, of): (fn(&Row) -> Option<f64>, Of),
         doc: &'static str,
     ) -> Self {
-        Self { heading, name, doc, digits, from: From::Row(value, of) }
+        Self { heading, name, doc, digits, better: None, is_time: false, from: From::Row(value, of) }
+    }
+
+    const fn better(self, better: Better) -> Self {
+        Self { better: Some(better), ..self }
+    }
+
+    const fn of_time(self) -> Self {
+        Self { is_time: true, ..self }
     }
 
     /// Whether the result of `estimator` may have the number.
@@ -222,7 +234,8 @@ impl Column {
 
     fn of_measure(measure: &'static Measure) -> Option<Self> {
         let &products::Column { heading, name, per, digits } = measure.column.as_ref()?;
-        Some(Self { heading, name, doc: measure.doc, digits, from: From::Assessment(measure, per) })
+        let from = From::Assessment(measure, per);
+        Some(Self { heading, name, doc: measure.doc, digits, better: measure.better, is_time: false, from })
     }
 }
 
@@ -233,25 +246,30 @@ const COSTS: [Column; 4] = [
         1,
         (|r| r.figures.blocks.as_ref().map(|blocks| blocks.candidates_mean), Of::BlockSearches),
         "Mean number of candidates per block; a candidate on a coarser level counts once.",
-    ),
+    )
+    .better(Better::Smaller),
     Column::of_row(
         ("max candidates", "candidates_most"),
         0,
         (|r| r.figures.blocks.as_ref().map(|blocks| blocks.candidates_most.into()), Of::BlockSearches),
         "Largest number of candidates of a block.",
-    ),
+    )
+    .better(Better::Smaller),
     Column::of_row(
         ("time ms", "ms"),
         2,
         (|r| Some(r.time.as_secs_f64() * 1e3), Of::All),
         "Shortest time of a run, in ms.",
-    ),
+    )
+    .better(Better::Smaller)
+    .of_time(),
     Column::of_row(
         ("memory kB", "memory_kb"),
         1,
         (|r| Some(r.figures.memory_bytes as f64 / 1e3), Of::All),
         "Memory of the run without the frames, in kB.",
-    ),
+    )
+    .better(Better::Smaller),
 ];
 
 /// Figures of the comparison, after the measures of products.
@@ -261,19 +279,22 @@ const ROBUSTNESS: [Column; 3] = [
         1,
         (|r| r.figures.blocks.as_ref().and_then(|blocks| percent(blocks.missed_share()?)), Of::BlockSearches),
         "Share of the blocks with a cost above the global minimum, which full search finds; undefined with λ > 0.",
-    ),
+    )
+    .better(Better::Smaller),
     Column::of_row(
         ("stable under noise %", "kept_in_noise_percent"),
         1,
         (|r| r.figures.kept_in_noise.and_then(percent), Of::Fields),
         "Share of the displacements that change by at most 1 px when Gaussian noise of σ = 10 gray levels is added to both frames.",
-    ),
+    )
+    .better(Better::Larger),
     Column::of_row(
         ("stable under brightness change %", "kept_in_light_percent"),
         1,
         (|r| r.figures.kept_in_light.and_then(percent), Of::Fields),
         "Share of the displacements that change by at most 1 px when the gray levels I of frame t + 1 become 1.1 I + 8.",
-    ),
+    )
+    .better(Better::Larger),
 ];
 
 /// Returns all columns after the estimator and the swept value: the figures of a comparison, and every measure of a product that

@@ -26,6 +26,17 @@ pub struct Measure {
     pub column: Option<Column>,
     /// Whether it compares with ground truth: what a comparison shows first.
     pub is_against_truth: bool,
+    /// Which of two values is better, unless it counts something or trades one quality for another.
+    pub better: Option<Better>,
+}
+
+/// Which of two different numbers is better.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Better {
+    /// The smaller one: costs and errors.
+    Smaller,
+    /// The larger one: scores.
+    Larger,
 }
 
 /// A column of a comparison.
@@ -44,7 +55,7 @@ pub struct Column {
 impl Measure {
     /// A measure without a column.
     pub const fn new(key: &'static str, doc: &'static str) -> Self {
-        Self { key, doc, otherwise: "", column: None, is_against_truth: false }
+        Self { key, doc, otherwise: "", column: None, is_against_truth: false, better: None }
     }
 
     /// The same with a column of the same name and unit.
@@ -63,22 +74,31 @@ impl Measure {
     /// The same with a column.
     #[must_use]
     pub const fn in_column_as(self, column: Column) -> Self {
-        let Self { key, doc, otherwise, is_against_truth, .. } = self;
-        Self { key, doc, otherwise, column: Some(column), is_against_truth }
+        Self { column: Some(column), ..self }
     }
 
     /// The same as a measure that compares with ground truth.
     #[must_use]
     pub const fn against_truth(self) -> Self {
-        let Self { key, doc, otherwise, column: Some(column), .. } = self else { return self };
-        Self { key, doc, otherwise, column: Some(column), is_against_truth: true }
+        Self { is_against_truth: true, ..self }
     }
 
     /// The same with a word for a value that is not a number.
     #[must_use]
     pub const fn or(self, otherwise: &'static str) -> Self {
-        let Self { key, doc, column: Some(column), is_against_truth, .. } = self else { return self };
-        Self { key, doc, otherwise, column: Some(column), is_against_truth }
+        Self { otherwise, ..self }
+    }
+
+    /// The same as a cost or an error.
+    #[must_use]
+    pub const fn smaller_is_better(self) -> Self {
+        Self { better: Some(Better::Smaller), ..self }
+    }
+
+    /// The same as a score.
+    #[must_use]
+    pub const fn larger_is_better(self) -> Self {
+        Self { better: Some(Better::Larger), ..self }
     }
 }
 

@@ -52,39 +52,39 @@ pub struct DisparityError {
 
 const MEASURES: [Measure; 8] = [
     Measure::new("epe_px", "Mean absolute error of the disparity in px over the pixels with known truth and an estimate.")
-        .in_column("EPE px", 3)
+        .in_column("EPE px", 3).smaller_is_better()
         .against_truth(),
     Measure::new(
         "bad1",
         "Share of the pixels with known truth whose disparity is wrong by more than 1 px; a pixel without an estimate counts as wrong.",
     )
-    .in_percent("bad 1 %", "bad1_percent")
+    .in_percent("bad 1 %", "bad1_percent").smaller_is_better()
     .against_truth(),
     Measure::new(
         "bad3_percent",
         "Percentage of the pixels with known truth whose disparity is wrong by more than 3 px; a pixel without an estimate counts as wrong.",
     )
-    .in_column("bad 3 %", 1)
+    .in_column("bad 3 %", 1).smaller_is_better()
     .against_truth(),
     Measure::new(
         "d1_percent",
         "D1 of the KITTI benchmark: percentage of the pixels with known truth whose disparity is wrong by more than 3 px and by more than \
          5 % of the truth; a pixel without an estimate counts as wrong.",
     )
-    .in_column("D1 %", 1)
+    .in_column("D1 %", 1).smaller_is_better()
     .against_truth(),
     Measure::new(
         "bad3_with_partner_percent",
         "The same of the pixels whose partner lies inside the right view: those at the left border have none.",
     )
-    .in_column("bad 3 % with partner", 1)
+    .in_column("bad 3 % with partner", 1).smaller_is_better()
     .against_truth(),
     Measure::new(
         "bad3_measured_percent",
         "Percentage of the measured pixels with known truth whose disparity is wrong by more than 3 px: pixels without an estimate and filled \
          ones do not count. It belongs to the share of measured pixels.",
     )
-    .in_column("bad 3 % measured", 1)
+    .in_column("bad 3 % measured", 1).smaller_is_better()
     .against_truth(),
     Measure::new("measured_share", "Share of the pixels that have a measured disparity; filled ones are not measured."),
     Measure::new("disparity_coverage", "Share of the pixels that have a disparity, measured or filled.").in_percent("disparity coverage %", "disparity_coverage_percent"),

@@ -12,6 +12,7 @@ use crate::geometry::Grid;
 pub const EPE: Measure =
     Measure::new("epe_px", "Mean endpoint error in px over the pixels with known true flow and an estimate.")
         .in_column("EPE px", 3)
+        .smaller_is_better()
         .against_truth();
 
 pub(super) const MEASURES: [Measure; 9] = [

@@ -165,7 +165,7 @@ pub(super) const REPEATABILITY: [Measure; 3] = [
         "Share of the keypoints that are detected again in frame t + 1, within 1.5 px of their true positions: repeated keypoints by \
          those visible in both frames.",
     )
-    .in_column("repeatability", 3)
+    .in_column("repeatability", 3).larger_is_better()
     .against_truth(),
     Measure::new("repeated", "Number of keypoints that are detected again in frame t + 1."),
     Measure::new(

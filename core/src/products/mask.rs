@@ -15,13 +15,13 @@ const MEASURES: [Measure; 3] = [
         "F₁ score of the foreground pixels: the harmonic mean of precision and recall. Shadows count as background; the first frame, \
          which has no background yet, is left out.",
     )
-    .in_column("mask F₁", 3)
+    .in_column("mask F₁", 3).larger_is_better()
     .against_truth(),
     Measure::new("mask_precision", "Share of the foreground pixels that are true.")
-        .in_column("mask precision", 3)
+        .in_column("mask precision", 3).larger_is_better()
         .against_truth(),
     Measure::new("mask_recall", "Share of the true foreground pixels that are found.")
-        .in_column("mask recall", 3)
+        .in_column("mask recall", 3).larger_is_better()
         .against_truth(),
 ];
 

@@ -123,7 +123,7 @@ const MEASURES: [Measure; 4] = [
         "Share of the matches, of the inliers where a geometric model is fitted, with a displacement within 3 px of the true one, of \
          those where it is known.",
     )
-    .in_column("match precision", 3)
+    .in_column("match precision", 3).larger_is_better()
     .against_truth(),
 ];
 

@@ -31,7 +31,7 @@ mod streaks;
 pub mod table;
 mod tracks;
 
-pub use assessment::{Assessment, Column, Figure, Measure, Reference, Score};
+pub use assessment::{Assessment, Better, Column, Figure, Measure, Reference, Score};
 pub use block_vectors::{Block, BlockField, BlockGrid, BlockVector};
 pub use coding::Coding;
 pub use consistency::{Agreement, Consistency};

@@ -230,21 +230,21 @@ const MEASURES: [Measure; 6] = [
     Measure::new("jitter_after_px", "The same after stabilisation, by the estimated motions.")
         .in_column("jitter after px", 3),
     Measure::new("empty_share", "Mean share of the stabilised frames that no pixel of the frame covers.")
-        .in_percent("empty %", "empty_percent"),
+        .in_percent("empty %", "empty_percent").smaller_is_better(),
     Measure::new(
         "motion_error_px",
         "Largest error of the motion of a pair at the corners of the picture, against the true motion of the background, in px.",
     )
-    .in_column("motion error px", 3)
+    .in_column("motion error px", 3).smaller_is_better()
     .against_truth(),
     Measure::new(
         "drift_px",
         "Error at the corners of the picture after all motions are chained, against the true motion of the background, in px.",
     )
-    .in_column("drift px", 3)
+    .in_column("drift px", 3).smaller_is_better()
     .against_truth(),
     Measure::new("residual_jitter_px", "Jitter of the stabilised frames by the true motion of the background, in px.")
-        .in_column("residual jitter px", 3)
+        .in_column("residual jitter px", 3).smaller_is_better()
         .against_truth(),
 ];
 

@@ -24,6 +24,7 @@ pub fn predict(flow: &Flow, next: &Gray, (border, filter): (Border, Interpolatio
 pub const PSNR: Measure =
     Measure::new("psnr_db", "Peak signal-to-noise ratio of the motion-compensated prediction in dB.")
         .in_column("PSNR dB", 2)
+        .larger_is_better()
         .or("perfect");
 
 const fn in_kilobytes(measure: Measure, heading: &'static str, name: &'static str) -> Measure {

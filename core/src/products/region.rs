@@ -146,21 +146,26 @@ const SCORES: [Measure; 6] = [
         "Mean intersection over union with the true box; 0 in frames in which the object is reported as lost.",
     )
     .in_column("mean IoU", 3)
+    .larger_is_better()
     .against_truth(),
     Measure::new(
         "success_auc",
         "Area under the success curve: the mean share of frames whose overlap exceeds a threshold of 0 to 1.",
     )
-    .in_column("success", 3),
+    .in_column("success", 3)
+    .larger_is_better(),
     Measure::new("precision_20_px", "Share of the frames with a centre error of at most 20 px.")
-        .in_column("precision", 3),
+        .in_column("precision", 3)
+        .larger_is_better(),
     Measure::new(
         "center_error_px",
         "Mean distance of the centre from that of the true box in px, where the object is not reported as lost.",
     )
-    .in_column("centre error px", 2),
+    .in_column("centre error px", 2)
+    .smaller_is_better(),
     Measure::new("failures", "How often the overlap of the box with the true one fell to 0, reported as lost or not.")
-        .in_column("failures", 0),
+        .in_column("failures", 0)
+        .smaller_is_better(),
     Measure::new("judged_frames", "Frames with a true box that is at least partly visible, without the first."),
 ];
 

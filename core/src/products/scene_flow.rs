@@ -151,33 +151,33 @@ impl SceneFlowField {
 
 const MEASURES: [Measure; 8] = [
     Measure::new("scene_flow_epe_m", "Mean endpoint error of the scene flow in m over the pixels with known truth and an estimate.")
-        .in_column("EPE m", 4)
+        .in_column("EPE m", 4).smaller_is_better()
         .against_truth(),
     Measure::new(
         "scene_flow_median_percent",
         "Median endpoint error of the scene flow in percent of the true depth, over the pixels with known truth and an estimate.",
     )
-    .in_column("median error %", 2)
+    .in_column("median error %", 2).smaller_is_better()
     .against_truth(),
     Measure::new(
         "sf_percent",
         "SF of the KITTI benchmark: percentage of the pixels with known truth at which a disparity or the flow is wrong by more than 3 px \
          and by more than 5 % of the truth, or has no estimate.",
     )
-    .in_column("SF %", 2)
+    .in_column("SF %", 2).smaller_is_better()
     .against_truth(),
     Measure::new("ego_translation_error_m", "Length of the error of the camera's displacement in m.")
-        .in_column("ego m", 4)
+        .in_column("ego m", 4).smaller_is_better()
         .against_truth(),
     Measure::new("ego_rotation_error_deg", "Angle of the error of the camera's rotation in degrees.")
-        .in_column("ego °", 4)
+        .in_column("ego °", 4).smaller_is_better()
         .against_truth(),
     Measure::new(
         "own_motion_f1",
         "F-measure of the pixels with a motion of their own against the true foreground: the harmonic mean of precision and recall. A pixel \
          without scene flow counts as one at rest.",
     )
-    .in_column("own motion F", 3)
+    .in_column("own motion F", 3).larger_is_better()
     .against_truth(),
     Measure::new("ego_residual_px", "Root mean square reprojection error of the points that agree with the motion of the cameras, in px.")
         .in_column("reprojection px", 3),

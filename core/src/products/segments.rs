@@ -19,14 +19,14 @@ const MEASURES: [Measure; 2] = [
         "Adjusted Rand index of the labels: the share of pairs of pixels on whose being together both agree, corrected for chance. 1 is \
          the true segmentation, 0 a random one. Pixels without a true label are left out.",
     )
-    .in_column("ARI", 3)
+    .in_column("ARI", 3).larger_is_better()
     .against_truth(),
     Measure::new(
         "mean_overlap",
         "Mean intersection over union of the true segments and the found ones, paired one to one so that the sum is largest. A true \
          segment without a partner counts 0.",
     )
-    .in_column("mean overlap", 3)
+    .in_column("mean overlap", 3).larger_is_better()
     .against_truth(),
 ];
 

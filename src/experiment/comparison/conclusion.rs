@@ -2,16 +2,15 @@
 
 use std::borrow::Borrow;
 
+use motionscope_core::products::Better;
 use motionscope_core::{capital, fixed, grouped};
 
-use super::better::Better;
+use super::best::SAME_TIME;
 use super::{Column, From, Row, all_columns};
 use crate::experiment::first;
 
 /// Ratios from here on are whole numbers.
 const WHOLE_RATIO: f64 = 9.95;
-/// Two times with a smaller ratio differ by no more than from one run to the next.
-const SAME_TIME: f64 = 1.15;
 /// Units at the end of a heading, and how a difference in them is said.
 const UNITS: [(&str, &str); 7] =
     [("px", " px"), ("dB", " dB"), ("m", " m"), ("°", "°"), ("kB", " kB"), ("ms", " ms"), ("%", " percentage points")];
@@ -70,11 +69,17 @@ fn ratio(a: f64, b: f64) -> Option<String> {
 
 /// The quality, by the first column that both have: against ground truth, if possible.
 fn quality(row: &Row, reference: &Row) -> Option<String> {
-    let (column, better, own, other) = measured().find_map(|(column, better)| {
-        let (own, other) = (column.shown(row)?, column.shown(reference)?);
-        Some((column, better, own, other))
-    })?;
+    let known = |column: &Column| [row, reference].map(|of| column.shown(of));
+    let is_known = |column: &Column| known(column).iter().any(Option::is_some);
+    // What only one of them has is not passed over where the truth is known.
+    let is_first = |column: &Column| is_known(column) && (column.is_against_truth() || !known(column).contains(&None));
+    let (column, better) = measured().find(|(column, _)| is_first(column))?;
     let (name, unit) = name_and_unit(column.heading);
+    let (own, other) = match known(&column) {
+        [Some(own), Some(other)] => (own, other),
+        [Some(_), None] => return Some(format!("{} has no {name}", reference.estimator.info().name)),
+        [None, _] => return Some(format!("no {name}")),
+    };
     let difference = fixed((own - other).abs(), column.digits);
     let is_better = (own < other) == (better == Better::Smaller);
     let said = match own == other {
@@ -89,7 +94,7 @@ fn measured() -> impl Iterator<Item = (Column, Better)> {
     let mut columns = all_columns();
     columns.sort_by_key(|column| !column.is_against_truth());
     let is_measure = |column: &Column| matches!(column.from, From::Assessment(..));
-    columns.into_iter().filter(is_measure).filter_map(|column| Some((column, column.better()?)))
+    columns.into_iter().filter(is_measure).filter_map(|column| Some((column, column.better?)))
 }
 
 /// That the errors are those of other pixels, where they are.
@@ -192,6 +197,13 @@ mod tests {
         assert_eq!(quality(&a, &b).as_deref(), Some("PSNR 1.50 dB worse"));
         assert_eq!(name_and_unit("bad 3 %"), ("bad 3", " percentage points"));
         assert_eq!(name_and_unit("mask F₁"), ("mask F₁", ""));
+    }
+
+    #[test]
+    fn a_number_that_only_one_has_is_not_passed_over() {
+        let [known, unknown] = [0.5, f64::NAN].map(|epe| row("diamond", 5.0, &[(&PSNR, 30.0), (&EPE, epe)]));
+        assert_eq!(quality(&unknown, &known).as_deref(), Some("no EPE"));
+        assert_eq!(quality(&known, &unknown).as_deref(), Some("Diamond search has no EPE"));
     }
 
     #[test]

@@ -336,12 +336,13 @@ fn results(ui: &mut Ui, state: &mut State, of: (&Document, Theme, f32), actions:
     let most = (height - notes.height(ui) - sizes.whole() - 2.0 * GAP).min(cards::LETTERS[1] * size);
     let cards = cards::height(ui, state.chosen.len(), most);
     let has_cards = content.swept().is_none() && !state.is_choosing && cards >= cards::LETTERS[0] * size;
-    if !has_cards && content.is_whole {
+    if !has_cards && !state.is_choosing && content.is_whole {
         notes.sentences = conclusion::sentences(&content.rows);
         // Of a low table more rows are seen.
         notes.has_alike = height - notes.height(ui) >= sizes.least();
     }
     let mut room = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), height - notes.height(ui)));
+    let end = room.max.y;
     if content.swept().is_some() {
         let (plot, rest) = divided(room, size, sizes.least());
         show_plot(ui, plot, state, (&content, theme));
@@ -353,7 +354,9 @@ fn results(ui: &mut Ui, state: &mut State, of: (&Document, Theme, f32), actions:
     }
     let mut table = widgets::inside(ui, room, Layout::top_down(Align::LEFT));
     let visited = table::show(&mut table, (&content, &sizes, theme), room.height(), state, actions);
-    let below = ui.max_rect().with_min_y((table.min_rect().max.y + GAP / 2.0).min(room.max.y));
+    // A plot beside the table reaches to the end of the room.
+    let told = if content.swept().is_some() { end } else { end.min(table.min_rect().max.y + GAP / 2.0) };
+    let below = ui.max_rect().with_min_y(told);
     notes.show(&mut widgets::inside(ui, below, Layout::top_down(Align::LEFT)));
     visited
 }

@@ -2,15 +2,16 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use eframe::egui::{ColorImage, Context, TextureHandle, TextureOptions};
+use eframe::egui::{Context, TextureHandle, TextureOptions};
 use motionscope_core::{Clip, Error, Grid, Stop, Threads};
 
 use super::background::Background;
+use super::color_image;
 use crate::experiment::comparison::{Conditions, Repeats, Round, Row};
 use crate::experiment::{Experiment, Prepared};
 use crate::media::{Open, Progress};
 use crate::view::look::Look;
-use crate::view::result;
+use crate::view::still;
 
 /// The plan of a comparison.
 pub struct Plan {
@@ -61,7 +62,8 @@ impl Comparing {
             };
             compare(&plan, add, &control.stop)?;
             let show = |picture: Result<Grid<[u8; 3]>, Error>| {
-                let picture = picture.map(|pixels| ctx.load_texture("result", image(&pixels), TextureOptions::LINEAR));
+                let picture =
+                    picture.map(|pixels| ctx.load_texture("result", color_image(&pixels), TextureOptions::LINEAR));
                 lock(&done).pictures.push(picture);
                 ctx.request_repaint();
             };
@@ -100,11 +102,6 @@ fn lock(made: &Mutex<Made>) -> MutexGuard<'_, Made> {
     made.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-fn image(pixels: &Grid<[u8; 3]>) -> ColorImage {
-    let (width, height) = pixels.size();
-    ColorImage::from_rgb([width, height], bytemuck::cast_slice(pixels.cells()))
-}
-
 fn compare(plan: &Plan, add: impl Fn(Row), stop: &Stop) -> Result<(), Error> {
     // Times are told for one thread, as the command line does unless told otherwise.
     let threads = Threads::single();
@@ -141,7 +138,7 @@ fn pictures(plan: &Plan, show: impl Fn(Result<Grid<[u8; 3]>, Error>), stop: &Sto
             frame: plan.prepared.experiment.frame,
             ..Experiment::new(round.source.clone(), estimator)
         };
-        show(result::picture(&alone, &clip, &plan.look));
+        show(still::of_result(&alone, &clip, &plan.look, stop));
     }
     Ok(())
 }

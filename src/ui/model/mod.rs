@@ -23,3 +23,12 @@ pub mod upcoming;
 pub mod walker;
 pub mod watch;
 pub mod writer;
+
+use eframe::egui::ColorImage;
+use motionscope_core::Grid;
+
+/// Returns pixels as what a texture is made of.
+fn color_image(pixels: &Grid<[u8; 3]>) -> ColorImage {
+    let (width, height) = pixels.size();
+    ColorImage::from_rgb([width, height], pixels.cells().as_flattened())
+}

@@ -2,31 +2,21 @@
 //! own, only of the estimators in sight, and kept for the session.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 use eframe::egui::{ColorImage, Context, TextureHandle, TextureOptions};
-use motionscope_core::scene::Picture;
-use motionscope_core::{Cursor, Error, Move, Role, Scene, Walk, examples};
+use motionscope_core::{Error, Stop, examples};
 
-use super::background::{Background, Control};
-use crate::experiment::interest;
+use super::background::Background;
+use super::color_image;
 use crate::experiment::source::Source;
-use crate::media::{Open, Progress};
-use crate::paint::{FocusMode, Theme, View};
+use crate::media::Open;
+use crate::paint::{FocusMode, Theme};
 use crate::session::example;
 use crate::view::look::Look;
-use crate::view::moment::Viewer;
-use crate::view::motion::Reverse;
-use crate::view::panes::Selection;
-use crate::view::rendering::Rendering;
+use crate::view::still;
 
 /// Width and height of the clip behind a picture in px: marks are as thick on it as on a large one, so that they are seen.
 const CLIP_PX: (usize, usize) = (160, 120);
-/// Units of a run that has no pass over the picture, after which its step is taken.
-const UNITS: usize = 8;
-/// After this time the step at which the run stands is taken.
-const LIMIT: Duration = Duration::from_secs(8);
 
 /// The pictures by the ids of their estimators.
 #[derive(Default)]
@@ -82,54 +72,18 @@ impl StepPictures {
 }
 
 fn start(id: &'static str, ctx: Context) -> Background<ColorImage> {
-    Background::new("draw an estimator", move || ctx.request_repaint(), move |control| picture(id, control))
+    Background::new("draw an estimator", move || ctx.request_repaint(), move |control| picture(id, &control.stop))
 }
 
 /// The picture of a step of the estimator `id`.
-fn picture(id: &str, control: &Arc<Control>) -> Result<ColorImage, Error> {
+fn picture(id: &str, stop: &Stop) -> Result<ColorImage, Error> {
     let works = examples::of(id).find(|example| !example.is_failure());
     let works = works.ok_or_else(|| Error::new(format!("{id} has no example of success")))?;
     let mut experiment = example::session(id, works)?.experiment;
     if let Source::Synth { difficulty, .. } = &mut experiment.source {
         (difficulty.width, difficulty.height) = CLIP_PX;
     }
-    let clip = experiment.source.open(&Open::default())?.until(control.stop.clone());
-    let reverse = Reverse::new(&*experiment.estimator, &clip, experiment.frame);
+    let clip = experiment.source.open(&Open::default())?.until(stop.clone());
     let look = Look { theme: Theme::Dark, focus: FocusMode::On, ..Look::default() };
-    let mut viewer = Viewer::new(&experiment, &clip, &look, &reverse)?.with_explanation(false);
-    let opening = interest::opening(&*viewer.walk, &clip, experiment.frame);
-    let unit = opening.map_or(UNITS - 1, |opening| opening.unit);
-    go(&mut *viewer.walk, Move::To(Cursor { unit, event: usize::MAX }), control);
-    if experiment.estimator.tests_candidates() {
-        // At the end the block has its vector, and no candidates are seen any more.
-        let half = Cursor { event: viewer.walk.events() / 2, ..viewer.walk.cursor() };
-        go(&mut *viewer.walk, Move::To(half), control);
-    }
-    let moment = viewer.moment(None)?;
-    let look = Look { view: Some(view(&moment.scene)), ..look };
-    let panes = &Selection::default();
-    let rendering = Rendering { moment: &moment, estimator: &*experiment.estimator, look: &look, panes };
-    let pixels = rendering.pixels(1)?;
-    let (width, height) = pixels.size();
-    Ok(ColorImage::from_rgb([width, height], pixels.cells().as_flattened()))
-}
-
-/// Makes a move as far as it gets in time.
-fn go(walk: &mut dyn Walk, to: Move, control: &Control) {
-    let begun = Instant::now();
-    walk.go(to);
-    while !control.cancelled() && begun.elapsed() < LIMIT {
-        if walk.work(&mut || !control.cancelled() && begun.elapsed() < LIMIT) {
-            return;
-        }
-    }
-}
-
-/// The one picture that tells most: frame t + 1 where a search tests candidates in it.
-fn view(scene: &Scene) -> View {
-    let is_search = |role: Role| matches!(role, Role::Candidate | Role::Window);
-    match scene.marks.iter().any(|mark| mark.on == Picture::NEXT && is_search(mark.role)) {
-        true => View::Next,
-        false => View::Current,
-    }
+    Ok(color_image(&still::of_step(&experiment, &clip, &look, stop)?))
 }

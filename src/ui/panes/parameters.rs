@@ -90,6 +90,8 @@ const MOST_IN_STRIP: usize = 3;
 /// Draws the parameters that matter most in a line, as many as it has room for: the first ones that are not advanced and have an effect.
 pub fn strip(ui: &mut Ui, input: Input<'_>, actions: &mut Actions) {
     ui.spacing_mut().item_spacing.x = 4.0;
+    // Menus beside it have no frames; what can be changed has one.
+    ui.visuals_mut().widgets.inactive.weak_bg_fill = style::color(input.theme.chrome().raised);
     let all = declared(Owner::Estimator, input).into_iter();
     let offered = all.filter(|row| !row.spec.advanced && row.idle.is_none() && row.fits_strip());
     for row in offered.take(MOST_IN_STRIP) {

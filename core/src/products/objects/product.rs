@@ -31,11 +31,14 @@ const WAYS: [Measure; 5] = [
 ];
 
 const TRACKING: [Measure; 8] = [
-    Measure::new("mota", "Multiple object tracking accuracy (CLEAR MOT).").in_column("MOTA", 3).against_truth(),
+    Measure::new("mota", "Multiple object tracking accuracy (CLEAR MOT).")
+        .in_column("MOTA", 3)
+        .larger_is_better()
+        .against_truth(),
     Measure::new("motp", "Multiple object tracking precision, as mean intersection over union (CLEAR MOT)."),
-    Measure::new("idf1", "F₁ score of identities.").in_column("IDF1", 3),
-    Measure::new("hota", "Higher order tracking accuracy.").in_column("HOTA", 3),
-    Measure::new("switches", "Identity switches.").in_column("switches", 0),
+    Measure::new("idf1", "F₁ score of identities.").in_column("IDF1", 3).larger_is_better(),
+    Measure::new("hota", "Higher order tracking accuracy.").in_column("HOTA", 3).larger_is_better(),
+    Measure::new("switches", "Identity switches.").in_column("switches", 0).smaller_is_better(),
     Measure::new("precision", "Share of the estimated boxes that match a true one at an IoU of 0.5."),
     Measure::new("recall", "Share of the true boxes that were matched at an IoU of 0.5."),
     Measure::new("true_objects", "True boxes, counted in each frame."),

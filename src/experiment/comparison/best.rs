@@ -1,84 +1,27 @@
-//! Which of two numbers of a column is better, and the best rows of a column.
+//! The best rows of a column, and its bars.
 
 use std::borrow::Borrow;
 
+use motionscope_core::products::Better;
+
 use super::{Column, Row};
 
-/// Which of two different numbers is better.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Better {
-    /// The smaller one: costs and errors.
-    Smaller,
-    /// The larger one: scores.
-    Larger,
-}
-
-/// Costs and errors. Columns that are in neither list count something, or trade one quality for another.
-const SMALLER: [&str; 24] = [
-    "candidates_mean",
-    "candidates_most",
-    "ms",
-    "memory_kb",
-    "missed_percent",
-    "epe_px",
-    "residual_kb",
-    "center_error_px",
-    "failures",
-    "switches",
-    "empty_percent",
-    "motion_error_px",
-    "drift_px",
-    "residual_jitter_px",
-    "scene_flow_epe_m",
-    "scene_flow_median_percent",
-    "sf_percent",
-    "ego_translation_error_m",
-    "ego_rotation_error_deg",
-    "bad1_percent",
-    "bad3_percent",
-    "d1_percent",
-    "bad3_with_partner_percent",
-    "bad3_measured_percent",
-];
-
-/// Scores.
-const LARGER: [&str; 16] = [
-    "psnr_db",
-    "mean_overlap",
-    "success_auc",
-    "precision_20_px",
-    "match_precision",
-    "repeatability",
-    "mota",
-    "idf1",
-    "hota",
-    "own_motion_f1",
-    "adjusted_rand_index",
-    "mask_f1",
-    "mask_precision",
-    "mask_recall",
-    "kept_in_noise_percent",
-    "kept_in_light_percent",
-];
+/// Two times with a smaller ratio differ by no more than from one run to the next.
+pub const SAME_TIME: f64 = 1.15;
 
 impl Column {
-    /// Returns which of two numbers is better; `None` where neither is.
-    pub fn better(&self) -> Option<Better> {
-        let of = |names: &[&str], better| names.contains(&self.name).then_some(better);
-        of(&SMALLER, Better::Smaller).or_else(|| of(&LARGER, Better::Larger))
-    }
-
-    /// Returns for each row whether its number, as shown, is the best of the column. No row is where all are alike.
+    /// Returns for each row whether its number, as shown, is the best of the column, or as good. No row is where all are alike.
     pub fn best<R: Borrow<Row>>(&self, rows: &[R]) -> Vec<bool> {
         let shown: Vec<_> = rows.iter().map(|row| self.shown(row.borrow())).collect();
         let all = || shown.iter().copied().flatten();
-        let [least, most] = [all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max)];
-        let best = match self.better() {
-            Some(Better::Smaller) => least,
-            Some(Better::Larger) => most,
+        let best = match self.better {
+            Some(Better::Smaller) => all().fold(f64::INFINITY, f64::min),
+            Some(Better::Larger) => all().fold(f64::NEG_INFINITY, f64::max),
             None => return vec![false; rows.len()],
         };
-        shown.into_iter().map(|shown| least < most && shown == Some(best)).collect()
+        let is_best = |value: f64| value == best || self.is_time && value < SAME_TIME * best;
+        let are_alike = all().all(is_best);
+        shown.iter().map(|shown| !are_alike && shown.is_some_and(is_best)).collect()
     }
 
     /// Returns the length of the bar of each row, as a share of the longest; none where a number is negative or all are 0.
@@ -100,22 +43,13 @@ mod tests {
     use crate::experiment::comparison::tests::{column, row};
 
     #[test]
-    fn the_lists_name_columns_and_each_once() {
-        let all: Vec<_> = all_columns().iter().map(|column| column.name).collect();
-        let named: Vec<_> = SMALLER.iter().chain(&LARGER).collect();
-        for (i, name) in named.iter().enumerate() {
-            assert!(all.contains(name) && !named[..i].contains(name), "{name}");
-        }
-    }
-
-    #[test]
     fn better_is_what_an_example_of_success_claims() {
         let columns = all_columns();
         let mut checked = 0;
         for example in examples().filter(|example| !example.is_failure()) {
             let (measure, limit) = example.claim;
             let column = columns.iter().find(|column| column.name == measure);
-            let Some(better) = column.and_then(Column::better) else { continue };
+            let Some(better) = column.and_then(|column| column.better) else { continue };
             let claimed = if matches!(limit, Limit::AtMost(_)) { Better::Smaller } else { Better::Larger };
             assert_eq!(better, claimed, "{}: {measure}", example.id);
             checked += 1;
@@ -135,6 +69,14 @@ mod tests {
         assert_eq!(column("psnr_db").best(&scores), [false, true]);
         let counts = [1.0, 2.0].map(|value| row("diamond", value, &[]));
         assert_eq!(column("frame_kb").best(&counts), [false, false], "neither is better");
+    }
+
+    #[test]
+    fn times_that_the_next_run_may_swap_are_equally_good() {
+        let timed = |ms: u64| Row { time: std::time::Duration::from_millis(ms), ..row("diamond", f64::NAN, &[]) };
+        let best = |times: &[u64]| column("ms").best(&times.iter().map(|ms| timed(*ms)).collect::<Vec<_>>());
+        assert_eq!(best(&[105, 100, 200]), [true, true, false]);
+        assert_eq!(best(&[105, 100]), [false, false]);
     }
 
     #[test]
