@@ -111,7 +111,7 @@ fn faults(window: &Window) -> Vec<String> {
         let (min, max) = (clip.min - Vec2::splat(1.5), clip.max + Vec2::splat(1.5));
         let is_wide = rect.min.x < min.x || rect.max.x > max.x;
         // The numbers of pixels and matrices are scrolled where not all of them have room.
-        let is_pixel = text.chars().all(|c| c.is_ascii_digit() || ".−".contains(c));
+        let is_pixel = text.chars().all(|c| c.is_ascii_digit() || ".−∞".contains(c));
         let is_high = (rect.min.y < min.y || rect.max.y > max.y) && !is_pixel && !scrolled.iter().any(is_in);
         // The labels of marks are cut where their picture ends.
         let is_mark = pictures.iter().any(|pane| pane.expand(2.0).contains_rect(clip.intersect(*rect)));
@@ -296,7 +296,7 @@ fn each_text(shape: &Shape, see: &mut impl FnMut(&TextShape)) {
 
 #[test]
 fn what_is_presented_can_be_read_in_the_last_row() {
-    let (mut sentences, mut labels) = (0, 0);
+    let (mut sentences, mut long_ones, mut labels) = (0, 0, 0);
     for id in TOLD {
         let mut window = window(id, "0.0");
         window.command(Command::ProjectorTheme);
@@ -309,6 +309,8 @@ fn what_is_presented_can_be_read_in_the_last_row() {
             for strip in rects(&window, Region::Strip) {
                 if let Some(height) = x_height_px(&window, strip, is_sentence) {
                     assert!(height >= 14.5, "{id}, step {step}: the x of a sentence has {height} px");
+                    // The longest are smaller, so that all of it is seen.
+                    long_ones += usize::from(height < 15.5);
                     sentences += 1;
                 }
             }
@@ -321,6 +323,7 @@ fn what_is_presented_can_be_read_in_the_last_row() {
         }
     }
     assert!(sentences > 40 && labels >= 8, "{sentences} sentences, {labels} charts");
+    assert!(10 * long_ones <= sentences, "{long_ones} of {sentences} sentences are smaller than 16 px");
 }
 
 /// Estimators with short sentences and long conclusions, with formulas of many lines, and with none.

@@ -373,7 +373,7 @@ fn matrices_below_are_announced_by_a_bright_bar_and_ink_goes_with_those_above() 
     let chart = window.region(Region::Chart);
     let is_bar = |shape: &&Shape| match shape {
         Shape::Rect(bar) => {
-            let is_narrow = bar.rect.width() < 10.0 && bar.rect.height() > 0.3 * chart.height();
+            let is_narrow = bar.rect.width() < 10.0 && bar.rect.height() > 0.15 * chart.height();
             let color = Color(bar.fill.to_array());
             is_narrow && chart.contains_rect(bar.rect) && color.contrast(Theme::Projector.chrome().panel) > 4.5
         }

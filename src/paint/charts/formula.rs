@@ -1,5 +1,7 @@
 //! Typesetting of [`Math`]: a layout that can be measured, and its primitives.
 
+use std::borrow::Cow;
+
 use motionscope_core::Role;
 use motionscope_core::scene::Math;
 
@@ -125,19 +127,23 @@ impl Formula {
     }
 }
 
-/// Lays `math` out at `size_pt`; a row at the top level is broken before a sign where it exceeds `max_width`, but not
-/// inside parentheses.
+/// Lays `math` out at `size_pt`; a row at the top level is broken before a sign where it exceeds `max_width`, inside parentheses only
+/// where that is not enough, and there after commas too.
 ///
 /// What cannot be broken is made smaller, down to seven tenths. Only where that is not enough is a row broken anywhere.
 pub fn lay_out(math: &Math, size_pt: f32, max_width: f32, measure: &mut dyn Measure) -> Formula {
     let mut parts = Vec::new();
     flatten(math, &mut parts);
+    let parts: Vec<&Math> = parts.iter().map(|part| &**part).collect();
     let mut best = None;
-    for breaks in [Breaks::BeforeSigns, Breaks::Anywhere] {
+    for breaks in [Breaks::BeforeSigns, Breaks::InParentheses, Breaks::Anywhere] {
         let first = units(&parts, size_pt, breaks, measure);
         let widest = first.iter().map(|(unit, _)| unit.width).fold(0.0, f32::max);
         if widest <= max_width {
             return break_lines(first, size_pt, max_width);
+        }
+        if breaks == Breaks::BeforeSigns {
+            continue;
         }
         let size_pt = size_pt * (max_width / widest).max(SMALLEST);
         let shrunk = break_lines(units(&parts, size_pt, breaks, measure), size_pt, max_width);
@@ -149,12 +155,29 @@ pub fn lay_out(math: &Math, size_pt: f32, max_width: f32, measure: &mut dyn Meas
     best.unwrap_or_default()
 }
 
-/// The parts of a row, those of rows in it among them.
-fn flatten<'a>(math: &'a Math, parts: &mut Vec<&'a Math>) {
+/// The parts of a row, those of rows in it among them; a text of several terms is several parts.
+fn flatten<'a>(math: &'a Math, parts: &mut Vec<Cow<'a, Math>>) {
     match math {
         Math::Row(inner) => inner.iter().for_each(|part| flatten(part, parts)),
-        other => parts.push(other),
+        Math::Text(text, role) => match &terms(text)[..] {
+            [] | [_] => parts.push(Cow::Borrowed(math)),
+            terms => parts.extend(terms.iter().map(|term| Cow::Owned(Math::Text((*term).into(), *role)))),
+        },
+        other => parts.push(Cow::Borrowed(other)),
     }
+}
+
+/// The terms of a text: it is cut before signs with space on both sides, and after commas.
+fn terms(text: &str) -> Vec<&str> {
+    let letters: Vec<(usize, char)> = text.char_indices().collect();
+    let is_cut = |i: usize| {
+        let at = |by: usize| letters.get(i + by).map(|(_, letter)| *letter);
+        let is_before_sign = at(0) == Some(' ') && at(1).is_some_and(|sign| SIGNS.contains(sign)) && at(2) == Some(' ');
+        is_before_sign || i >= 2 && letters[i - 2].1 == ',' && letters[i - 1].1 == ' '
+    };
+    let cuts = (1..letters.len()).filter(|i| is_cut(*i)).map(|i| letters[i].0);
+    let ends: Vec<usize> = std::iter::once(0).chain(cuts).chain([text.len()]).collect();
+    ends.windows(2).map(|ends| &text[ends[0]..ends[1]]).collect()
 }
 
 /// Where a row may be broken.
@@ -162,6 +185,8 @@ fn flatten<'a>(math: &'a Math, parts: &mut Vec<&'a Math>) {
 enum Breaks {
     /// Before a sign between two terms that stands in no parentheses.
     BeforeSigns,
+    /// Before any sign between two terms, and after a comma.
+    InParentheses,
     /// After every part but a sign.
     Anywhere,
 }
@@ -170,10 +195,11 @@ enum Breaks {
 fn units(parts: &[&Math], size: f32, breaks: Breaks, measure: &mut dyn Measure) -> Vec<(Formula, bool)> {
     let mut units = Vec::new();
     let (mut unit, mut is_equation) = (Formula::default(), false);
-    let (mut depth, mut after_sign) = (0, true);
+    let (mut depth, mut after_sign, mut after_comma) = (0, true, false);
     for part in parts {
         let may_break = match breaks {
             Breaks::BeforeSigns => depth == 0 && begins_with_sign(part),
+            Breaks::InParentheses => begins_with_sign(part) || after_comma && depth > 0,
             Breaks::Anywhere => true,
         };
         if may_break && !after_sign && !unit.pieces.is_empty() {
@@ -188,6 +214,7 @@ fn units(parts: &[&Math], size: f32, breaks: Breaks, measure: &mut dyn Measure) 
         // Space alone changes nothing.
         let is_space = matches!(part, Math::Text(text, _) if text.trim().is_empty());
         after_sign = if is_space { after_sign } else { ends_with_sign(part) };
+        after_comma = matches!(part, Math::Text(text, _) if text.ends_with(", "));
     }
     units.push((unit, is_equation));
     units

@@ -41,9 +41,23 @@ impl Labels {
         })
     }
 
-    /// As [`place`](Self::place), but rather over marks than nowhere.
+    /// As [`place`](Self::place), but over marks or far away where nothing else is free.
     pub(super) fn place_anyway(&mut self, size: [f32; 2], centers: &[Point]) -> Option<Point> {
-        self.place(size, centers).or_else(|| self.take(size, centers, Self::is_off_names))
+        let near = self.place(size, centers).or_else(|| self.take(size, centers, Self::is_off_names));
+        near.or_else(|| self.take(size, &self.everywhere(size, *centers.first()?), Self::is_off_names))
+    }
+
+    /// Places all over the area, those next to `wanted` first.
+    fn everywhere(&self, size: [f32; 2], wanted: Point) -> Vec<Point> {
+        let Rect { min, max } = self.area;
+        let along = |i: usize| {
+            let count = ((max[i] - min[i]) / (0.5 * size[i]).max(1.0)) as usize;
+            (0..=count).map(move |k| min[i] + 0.5 * size[i].max(2.0) * k as f32)
+        };
+        let mut all: Vec<Point> = along(1).flat_map(|y| along(0).map(move |x| [x, y])).collect();
+        let distance = |at: &Point| (at[0] - wanted[0]).hypot(at[1] - wanted[1]);
+        all.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+        all
     }
 
     fn is_off_names(&self, rect: &Rect) -> bool {
@@ -134,5 +148,11 @@ mod tests {
         let on_line = [[100.0, 50.0]];
         assert_eq!(labels.place([30.0, 9.0], &on_line), None);
         assert!(labels.place_anyway([30.0, 9.0], &on_line).is_some());
+        let taken = labels.names.len();
+        let far = (0..8).filter_map(|_| labels.place_anyway([30.0, 9.0], &on_line)).count();
+        assert_eq!((far, labels.names.len()), (8, taken + 8), "a name is never lost while there is room anywhere");
+        for (i, name) in labels.names.iter().enumerate() {
+            assert!(labels.names[..i].iter().all(|other| !other.meets(name)));
+        }
     }
 }

@@ -16,7 +16,7 @@ use super::{ChartStyle, Drawing, titled};
 const NEAREST: f32 = 256.0;
 /// How far one can go away.
 const FARTHEST: f32 = 16.0;
-/// So many times what the points reach is shown at first to have a line in it.
+/// How many times farther than the points the first view reaches at most, to include a line.
 const FOR_LINE: f32 = 4.0;
 /// Side of the arrow at the edge towards a line beyond it, in points.
 const ARROW: f32 = 9.0;
@@ -202,7 +202,7 @@ pub fn draw(data: Shown<'_>, area: Rect, style: ChartStyle) -> Drawing<Square> {
     let square = Square::new(area, window.unwrap_or(Window::whole(plane)), (small, named));
     let mut canvas = Canvas::default();
     canvas.inside(square.rect, |canvas| costs(canvas, &square, plane, style));
-    axes(&mut canvas, &square, (plane, window.is_some() || plane.center != [0.0; 2]), theme);
+    axes(&mut canvas, (&square, area.max[0]), (plane, window.is_some() || plane.center != [0.0; 2]), theme);
     for line in &plane.lines {
         if let Some(ends) = square.part(line) {
             let alpha = (255.0 * (0.25 + 0.75 * line.weight)) as u8;
@@ -355,7 +355,7 @@ fn towards(canvas: &mut Canvas, square: &Square, line: &Constraint, theme: Theme
     canvas.add(Primitive::Polygon { points: vec![tip, foot(1.0), foot(-1.0)], color: theme.stroke(line.role) });
 }
 
-fn axes(canvas: &mut Canvas, square: &Square, (plane, is_near): (&Plane, bool), theme: Theme) {
+fn axes(canvas: &mut Canvas, (square, edge): (&Square, f32), (plane, is_near): (&Plane, bool), theme: Theme) {
     let (chrome, dim) = (theme.chrome(), Type::dim(theme));
     let small = dim.size;
     let Rect { min: [left, top], max: [right, bottom] } = square.rect;
@@ -377,7 +377,10 @@ fn axes(canvas: &mut Canvas, square: &Square, (plane, is_near): (&Plane, bool), 
     // The first axis goes to the right, the second down, as in the picture.
     let words = format!("u, {} →", plane.unit);
     if square.is_tight {
-        canvas.text([right + 1.4 * small, bottom + 4.0], (Anchor::Start, Level::Top), &words, name);
+        let x = right + 1.4 * small;
+        // The title has the unit as well.
+        let words = if x + name.width(&words) <= edge { words } else { "u →".to_owned() };
+        canvas.text([x, bottom + 4.0], (Anchor::Start, Level::Top), &words, name);
     } else {
         canvas.text([right, bottom + 4.0 + 1.25 * small], (Anchor::End, Level::Top), &words, name);
     }

@@ -6,6 +6,9 @@ use motionscope_core::scene::{Math, Matrix};
 use crate::paint::charts::matrices::{draw_to_scroll, plain};
 use crate::ui::drawing::chart::{Chart, Subject, rect_from};
 
+/// How far a letter at the left may lean out of its matrix, in points.
+const LEANING_PT: f32 = 4.0;
+
 /// The matrices as they are shown.
 #[derive(Default)]
 pub struct State {
@@ -42,7 +45,8 @@ pub fn show(
     let shown = scroll.show(ui, |ui| {
         let (rect, _) = ui.allocate_exact_size(whole.size(), Sense::hover());
         let clip = ui.clip_rect();
-        ui.set_clip_rect(clip.with_max_y(clip.max.y.min(rect.min.y + scrolled + end)));
+        let bottom = clip.max.y.min(rect.min.y + scrolled + end);
+        ui.set_clip_rect(clip.with_min_x(clip.min.x - LEANING_PT).with_max_y(bottom));
         let by = rect.min.to_vec2();
         let mut pointed = None;
         for (i, (matrix, place)) in matrices.iter().zip(&places).enumerate() {

@@ -252,7 +252,7 @@ const TWO_CHARTS: f32 = 1600.0;
 /// The least window that everything has room in, in letters across and lines down: a smaller one has smaller type.
 const LEAST_LETTERS: Vec2 = vec2(56.0, 30.0);
 /// The same without header and transport.
-const LEAST_PRESENTED: Vec2 = vec2(49.0, 27.0);
+const LEAST_PRESENTED: Vec2 = vec2(45.5, 25.5);
 /// Least height in which a chart can be read, and least width, in letters.
 const CHART_LETTERS: [f32; 2] = [12.0, 15.0];
 /// Least height of the page of a lesson in a column, in letters, and the most of the column: before it was read, and after.
@@ -314,7 +314,7 @@ impl Mode {
 
     /// How much larger the interface is, so that a sentence can be read in the last row.
     pub fn zoom(self) -> f32 {
-        if self == Self::Presenting { 1.23 } else { 1.0 }
+        if self == Self::Presenting { 1.33 } else { 1.0 }
     }
 
     /// The least shares that the pictures have: of the window's area, or of its height.
@@ -929,7 +929,7 @@ mod tests {
         let zoom = |size: Vec2, type_pt| zoom_that_fits(1.0, size, type_pt, Mode::Lecture);
         assert_eq!(zoom(vec2(1280.0, 720.0), 21.0), 1.0);
         assert!((0.2..0.4).contains(&zoom(vec2(213.0, 160.0), 14.0)));
-        assert_eq!(zoom_that_fits(1.23, vec2(1280.0, 720.0), 21.0, Mode::Presenting), 1.23);
+        assert_eq!(zoom_that_fits(1.33, vec2(1280.0, 720.0), 21.0, Mode::Presenting), 1.33);
     }
 
     #[test]

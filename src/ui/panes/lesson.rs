@@ -61,14 +61,13 @@ impl State {
         let rows = self.laid_out.as_ref().map_or(&[][..], |page| &page.rows);
         let to = match way {
             Direction::Forward if self.has_more() => {
-                let next =
-                    rows.iter().find(|[_, bottom]| *bottom > self.offset + seen + 0.5).map_or(all, |[top, _]| *top);
+                let next = rows.iter().find(|row| row.bottom > self.offset + seen + 0.5).map_or(all, |row| row.top);
                 // A row that is higher than the pane is read on within it.
                 if next < self.offset + 0.5 * seen { self.offset + seen } else { next }
             }
             Direction::Back if self.offset > 0.0 => {
                 let from = self.offset - seen;
-                let row = rows.iter().map(|[top, _]| *top).find(|top| *top >= from).unwrap_or(from);
+                let row = rows.iter().map(|row| row.top).find(|top| *top >= from).unwrap_or(from);
                 (if row > self.offset - 0.5 * seen { from } else { row }).max(0.0)
             }
             _ => return false,
@@ -83,10 +82,17 @@ struct LaidOut {
     prose: Prose,
     key: Key,
     words: Part,
-    /// Top and bottom of each row of words or formulas.
-    rows: Vec<[f32; 2]>,
+    rows: Vec<Row>,
     /// Where each link stands, and where it leads.
     links: Vec<(Rect, String)>,
+}
+
+/// A row of words or formulas.
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    top: f32,
+    bottom: f32,
+    ends_sentence: bool,
 }
 
 /// What the layout of a page follows from beside its words.
@@ -130,10 +136,8 @@ pub fn show(ui: &mut Ui, rect: Rect, input: Input<'_>, state: &mut State, action
     state.page = Some(open.address().clone());
     let wanted = if turned { Some(0.0) } else { state.wanted.take() };
     let offset = wanted.unwrap_or(state.offset);
-    // No row is cut at the bottom.
     let rows = state.laid_out.as_ref().map_or(&[][..], |page| &page.rows);
-    let cut = rows.iter().find(|[top, bottom]| *top < offset + height && *bottom > offset + height + 0.5);
-    let seen = cut.map_or(height, |[top, _]| top - offset).clamp(0.5 * height, height);
+    let seen = readable_height(rows, offset, height);
     let scroll = ScrollArea::vertical().id_salt("page").auto_shrink(false).max_height(seen);
     let scroll = if let Some(offset) = wanted { scroll.vertical_scroll_offset(offset) } else { scroll };
     let scrolled = scroll.show(&mut ui, |ui| {
@@ -248,6 +252,12 @@ fn words(
         let session = open.page().session.as_ref().ok();
         let family = session.map_or("", |session| session.experiment.estimator.info().family);
         let rows = rows(&page.block);
+        // In another width the same words stand at the top, from the beginning of their row on.
+        if state.laid_out.as_ref().is_some_and(|before| before.prose == *prose) && state.offset > 0.0 {
+            let all = rows.last().map_or(0.0, |row| row.bottom);
+            let wanted = state.offset / state.seen[1].max(1.0) * all;
+            state.wanted = rows.iter().map(|row| row.top).take_while(|top| *top <= wanted + 0.5).last();
+        }
         let links = page.links.into_iter().map(|(rect, to)| (rect_from(rect), to)).collect();
         let words = Part::new(ui.painter(), page.block, family);
         state.laid_out = Some(LaidOut { prose: prose.clone(), key, words, rows, links });
@@ -265,22 +275,43 @@ fn words(
     }
 }
 
-/// Top and bottom of each row of text in a block: parts of a formula that stand above each other are one row.
-fn rows(block: &Block) -> Vec<[f32; 2]> {
+/// How much of a page is shown from `offset` on in a pane of this height: no row is cut at the bottom, nor a sentence if most of the
+/// pane is full without it.
+fn readable_height(rows: &[Row], offset: f32, height: f32) -> f32 {
+    /// The share of the pane that is full at least.
+    const FULL: f32 = 0.6;
+    let is_cut = |row: &Row| row.top < offset + height && row.bottom > offset + height + 0.5;
+    let Some(cut) = rows.iter().position(is_cut) else { return height };
+    let mut ends = rows[..cut].iter().zip(&rows[1..]).filter(|(row, _)| row.ends_sentence).map(|(_, next)| next.top);
+    let end = ends.next_back().filter(|top| *top - offset >= FULL * height).unwrap_or(rows[cut].top);
+    (end - offset).clamp(0.5 * height, height)
+}
+
+/// Each row of text in a block: parts of a formula that stand above each other are one row.
+fn rows(block: &Block) -> Vec<Row> {
     let of = |primitive: &Primitive| match primitive {
-        Primitive::Text(line) => Some([line.at[1] - 0.95 * line.size, line.at[1] + 0.3 * line.size]),
+        Primitive::Text(line) => {
+            let words = line.runs.last().map_or("", |run| run.text.trim_end());
+            let (top, bottom) = (line.at[1] - 0.95 * line.size, line.at[1] + 0.3 * line.size);
+            Some((line.at[0], Row { top, bottom, ends_sentence: words.ends_with(['.', '?', '!', ':']) }))
+        }
         _ => None,
     };
-    let mut all: Vec<[f32; 2]> = block.primitives.iter().filter_map(of).collect();
-    all.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let mut rows: Vec<[f32; 2]> = Vec::new();
-    for [top, bottom] in all {
+    let mut all: Vec<(f32, Row)> = block.primitives.iter().filter_map(of).collect();
+    all.sort_by(|(_, a), (_, b)| a.top.total_cmp(&b.top));
+    let mut rows: Vec<(f32, Row)> = Vec::new();
+    for (left, row) in all {
         match rows.last_mut() {
-            Some(last) if top < last[1] => last[1] = last[1].max(bottom),
-            _ => rows.push([top, bottom]),
+            Some((rightmost, last)) if row.top < last.bottom => {
+                last.bottom = last.bottom.max(row.bottom);
+                if left >= *rightmost {
+                    (*rightmost, last.ends_sentence) = (left, row.ends_sentence);
+                }
+            }
+            _ => rows.push((left, row)),
         }
     }
-    rows
+    rows.into_iter().map(|(_, row)| row).collect()
 }
 
 /// The line that says what → does at the end of the lesson, wrapped to `width`.
@@ -294,9 +325,22 @@ fn laid_out_ending(ui: &Ui, open: &OpenLesson, width: f32) -> Arc<Galley> {
 mod tests {
     use super::*;
 
+    fn row(top: f32, ends_sentence: bool) -> Row {
+        Row { top, bottom: top + 18.0, ends_sentence }
+    }
+
+    #[test]
+    fn a_page_breaks_between_sentences_where_that_leaves_it_full() {
+        let rows = |ends: usize| (0..10).map(|i| row(20.0 * i as f32, i == ends)).collect::<Vec<_>>();
+        assert_eq!(readable_height(&rows(9), 0.0, 110.0), 100.0, "the sixth row would be cut");
+        assert_eq!(readable_height(&rows(3), 0.0, 110.0), 80.0, "the fourth row ends a sentence");
+        assert_eq!(readable_height(&rows(1), 0.0, 110.0), 100.0, "too little would be left");
+        assert_eq!(readable_height(&rows(8), 100.0, 110.0), 110.0, "the rest has room");
+    }
+
     #[test]
     fn words_are_read_on_from_the_first_row_that_was_not_whole_and_back() {
-        let rows: Vec<[f32; 2]> = (0..10).map(|i| [20.0 * i as f32, 20.0 * i as f32 + 18.0]).collect();
+        let rows = (0..10).map(|i| row(20.0 * i as f32, false)).collect();
         let laid_out =
             LaidOut { rows, prose: Prose::default(), key: Key::default(), words: Part::default(), links: Vec::new() };
         let mut state = State { laid_out: Some(laid_out), seen: [70.0, 198.0], ..State::default() };
@@ -316,7 +360,7 @@ mod tests {
 
     #[test]
     fn a_row_that_is_higher_than_the_pane_is_read_on_within_it() {
-        let rows = vec![[0.0, 100.0], [100.0, 400.0]];
+        let rows = [[0.0, 100.0], [100.0, 400.0]].map(|[top, bottom]| Row { top, bottom, ends_sentence: false }).into();
         let laid_out =
             LaidOut { rows, prose: Prose::default(), key: Key::default(), words: Part::default(), links: Vec::new() };
         let mut state = State { laid_out: Some(laid_out), seen: [80.0, 400.0], ..State::default() };

@@ -123,18 +123,18 @@ pub fn line(ui: &mut Ui, input: &Input<'_>, state: &mut State) -> Option<Role> {
     let look = state.marks.look(input);
     let items = legend_items(input, &look, ui, state);
     ink::name(&response, || format!("Legend: {}", items.plain()));
-    let shown = items.fitting(ui, rect.width());
+    let shown = items.fitting(ui, rect.size());
     shown.paint(ui, rect);
     let lit = response.hover_pos().and_then(|at| shown.pointed(at, rect));
     if let Some((_, place)) = lit {
         let line = egui::Stroke::new(2.0, ink::color(input.theme().chrome().accent));
         ui.painter().hline(place.x_range(), place.max.y - 1.0, line);
     }
-    let listed = if shown.hidden > 0 { folded(ui, &items, shown.hidden, rect) } else { None };
+    let listed = if shown.hidden > 0 { folded(ui, &items, shown.hidden, shown.last_line(rect)) } else { None };
     lit.map(|(role, _)| role).or(listed)
 }
 
-/// Shows the legend below each other in `room`; gives the role whose entry is pointed at.
+/// Shows the legend in `room`, below each other if all have room like that; gives the role whose entry is pointed at.
 pub fn list(ui: &mut Ui, room: Rect, input: &Input<'_>, state: &mut State) -> Option<Role> {
     if !input.look.legend {
         return None;
@@ -144,7 +144,7 @@ pub fn list(ui: &mut Ui, room: Rect, input: &Input<'_>, state: &mut State) -> Op
     items.is_list = true;
     let response = ui.interact(room, ui.scope_id().with("legend"), Sense::hover());
     ink::name(&response, || format!("Legend: {}", items.plain()));
-    let shown = items.fitting_below(room.size());
+    let shown = items.fitting(ui, room.size());
     shown.paint(ui, room);
     let lit = response.hover_pos().and_then(|at| shown.pointed(at, room)).map(|(role, _)| role);
     let listed = if shown.hidden > 0 { folded(ui, &items, shown.hidden, shown.last_line(room)) } else { None };
@@ -223,7 +223,6 @@ impl Items {
     /// Where each item goes within `width`, and the number of lines.
     fn layout(&self, width: f32) -> (Vec<Pos2>, usize) {
         let (mut at, mut line, height) = (0.0, 0usize, line_height(self.theme));
-        let widths = self.entries.iter().map(|(_, w)| *w).chain(self.bars.iter().map(|(_, w)| *w));
         let place = |item: f32| {
             if at > 0.0 && (self.is_list || at + item > width) {
                 (at, line) = (0.0, line + 1);
@@ -232,54 +231,55 @@ impl Items {
             at += item + 2.0 * GAP;
             place
         };
-        let places = widths.map(place).collect();
+        let places = self.widths().map(place).collect();
         (places, line + 1)
     }
 
-    /// Those that fit in one line, the colour scales before all, and how many are left.
-    fn fitting(&self, ui: &Ui, width: f32) -> Items {
+    /// Those that fit in `room`, the colour scales before all, and how many are left; a list flows in lines where it has no room.
+    fn fitting(&self, ui: &Ui, room: egui::Vec2) -> Items {
         let more = text_width(ui, "+88", self.theme) + 2.0 * GAP;
-        let total = self.entries.len() + self.bars.len();
-        let (mut shown, mut taken) = (Items { entries: Vec::new(), bars: Vec::new(), ..self.clone() }, 0.0);
-        let mut left = total;
-        let mut takes = |item: f32| {
-            let room = width - if left > 1 { more } else { 0.0 };
-            let fits = taken + item <= room;
-            taken += if fits { item + 2.0 * GAP } else { 0.0 };
-            left -= usize::from(fits);
-            fits
-        };
-        shown.bars.extend(self.bars.iter().filter(|(_, w)| takes(*w)).cloned());
-        shown.entries.extend(self.entries.iter().filter(|(_, w)| takes(*w)).cloned());
-        shown.hidden = left;
+        let lines = ((room.y / line_height(self.theme)) as usize).max(1);
+        let (widest, total) = self.column();
+        if self.is_list && total <= lines && widest <= room.x {
+            return self.clone();
+        }
+        let mut shown = Items { entries: Vec::new(), bars: Vec::new(), hidden: total, is_list: false, ..self.clone() };
+        for bar in &self.bars {
+            shown.bars.push(bar.clone());
+            if shown.fits(room.x, lines, more) { shown.hidden -= 1 } else { drop(shown.bars.pop()) }
+        }
+        for entry in &self.entries {
+            shown.entries.push(entry.clone());
+            if shown.fits(room.x, lines, more) { shown.hidden -= 1 } else { drop(shown.entries.pop()) }
+        }
         shown
     }
 
-    /// Those that fit below each other in `room`, the colour scales before all, and how many are left.
-    fn fitting_below(&self, room: egui::Vec2) -> Items {
-        let total = self.entries.len() + self.bars.len();
-        let lines = (room.y / line_height(self.theme)) as usize;
-        let fits = |width: f32| width <= room.x;
-        // The last line says how many more there are.
-        let lines = if total > lines { lines.saturating_sub(1) } else { total };
-        let bars: Vec<_> = self.bars.iter().filter(|(_, width)| fits(*width)).take(lines).cloned().collect();
-        let entries: Vec<_> =
-            self.entries.iter().filter(|(_, width)| fits(*width)).take(lines - bars.len()).cloned().collect();
-        let hidden = total - entries.len() - bars.len();
-        Items { entries, bars, hidden, ..self.clone() }
+    /// Whether all have room, the last of which is one of `hidden`, and `more` beside them unless it is the only one.
+    fn fits(&self, width: f32, lines: usize, more: f32) -> bool {
+        let (places, count) = self.layout(width);
+        let last = (count - 1) as f32 * line_height(self.theme);
+        places.iter().zip(self.widths()).all(|(place, item)| {
+            let is_beside = place.y == last && count == lines && self.hidden > 1;
+            place.x + item <= width - if is_beside { more } else { 0.0 }
+        }) && count <= lines
     }
 
-    /// The line below those that are shown.
+    /// Where the number of those that are left stands: in the last line of `rect`, which may have others.
     fn last_line(&self, rect: Rect) -> Rect {
         let height = line_height(self.theme);
-        let top = rect.min.y + (self.entries.len() + self.bars.len()) as f32 * height;
-        Rect::from_min_size(pos2(rect.min.x, top), vec2(rect.width(), height))
+        let lines = ((rect.height() / height) as usize).max(1);
+        let line = self.layout(rect.width()).1.min(lines - 1);
+        Rect::from_min_size(rect.min + vec2(0.0, line as f32 * height), vec2(rect.width(), height))
+    }
+
+    fn widths(&self) -> impl Iterator<Item = f32> {
+        self.entries.iter().map(|(_, width)| *width).chain(self.bars.iter().map(|(_, width)| *width))
     }
 
     /// Width of the widest, and how many lines there are with one in each.
     fn column(&self) -> (f32, usize) {
-        let widths = self.entries.iter().map(|(_, w)| *w).chain(self.bars.iter().map(|(_, w)| *w));
-        (widths.fold(0.0, f32::max), self.entries.len() + self.bars.len())
+        (self.widths().fold(0.0, f32::max), self.entries.len() + self.bars.len())
     }
 
     /// Shows all below each other, and returns the role of the one that is pointed at.
@@ -340,7 +340,7 @@ impl Items {
         }
         if self.hidden > 0 {
             let dim = ink::color(self.theme.chrome().dim);
-            let line = if self.is_list { self.last_line(rect) } else { rect };
+            let line = self.last_line(rect);
             painter.text(line.right_center(), Align2::RIGHT_CENTER, format!("+{}", self.hidden), font.clone(), dim);
         }
     }

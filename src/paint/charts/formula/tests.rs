@@ -73,6 +73,21 @@ fn an_operator_goes_with_what_follows_it() {
 }
 
 #[test]
+fn what_stands_in_parentheses_is_broken_before_it_shrinks() {
+    let text = "L = C + min(a − b, c + d, e)";
+    let formula = set(&Math::text(text), 120.0);
+    assert!(formula.width <= 120.0, "{}", formula.width);
+    let pieces = formula.pieces.iter().map(|piece| match piece {
+        Piece::Text { text, size_pt, .. } => (text.clone(), *size_pt),
+        Piece::Rule(_) | Piece::Stroke(..) => panic!("words alone"),
+    });
+    let (words, sizes): (Vec<_>, Vec<_>) = pieces.unzip();
+    assert!(words.concat() == text && sizes.iter().all(|size| *size == 20.0), "{words:?}, {sizes:?}");
+    let [wide, narrow] = [1000.0, 120.0].map(|width| baselines(&set(&Math::text(text), width)));
+    assert!(wide.iter().all(|y| *y == 0.0) && narrow.iter().any(|y| *y > 0.0), "{narrow:?}");
+}
+
+#[test]
 fn a_term_too_wide_with_its_operators_shrinks() {
     let long = vec![Math::Sum(Box::new(Math::text("x, y"))), Math::Abs(Box::new(Math::text("0123456789")))];
     assert!(set(&Math::Row(long), 120.0).width <= 120.0);
