@@ -147,7 +147,15 @@ impl Window {
             self.step();
             self.step();
         }
-        self.harness.run();
+        self.rest();
+    }
+
+    /// Draws until the window comes to rest: a spinner may turn until a thread is done.
+    fn rest(&mut self) {
+        let begun = Instant::now();
+        while let Err(restless) = self.harness.try_run() {
+            assert!(begun.elapsed() < Duration::from_secs(60), "{restless}");
+        }
     }
 
     /// Draws once. A window has more points where its interface is smaller, as a system's window does.
@@ -165,7 +173,7 @@ impl Window {
             self.harness.run_steps(1);
             assert!(begun.elapsed() < Duration::from_secs(60), "the comparison does not end");
         }
-        self.harness.run();
+        self.rest();
     }
 
     fn has(&self, region: Region) -> bool {

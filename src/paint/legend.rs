@@ -35,8 +35,8 @@ pub struct Entry {
 
 /// Most objects whose colours the legend shows.
 const MOST_OWN: usize = 3;
-/// So many labels of a picture are asked at most.
-const ASKED_LABELS: usize = 4096;
+/// Pixels of a segmented picture that are sampled for its labels, roughly.
+const SAMPLED_LABELS: usize = 4096;
 
 /// What a role looks like on the stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -162,7 +162,7 @@ fn own_colors<'a>(marks: impl Iterator<Item = &'a Mark> + Clone, (role, sample):
 fn some_labels(labels: &Grid<u32>) -> Vec<u32> {
     let cells = labels.cells();
     let mut some: Vec<u32> = Vec::new();
-    for label in cells.iter().step_by(cells.len() / ASKED_LABELS + 1).filter(|label| **label > 0) {
+    for label in cells.iter().step_by(cells.len() / SAMPLED_LABELS + 1).filter(|label| **label > 0) {
         if !some.contains(label) {
             some.push(*label);
         }

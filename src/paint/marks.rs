@@ -381,12 +381,12 @@ pub(super) fn line(out: &mut Vec<Primitive>, ink: &Ink, points: Vec<Point>, clos
 const POINT: f32 = 2.0;
 /// Radius of the smallest point, in points.
 const LEAST_POINT: f32 = 1.2;
-/// So many points tell how near they lie to each other.
-const ASKED: usize = 48;
+/// Points sampled to estimate how densely they lie.
+const SAMPLED: usize = 48;
 
 /// Distance of the two nearest of `points`, of the first if there are many.
 fn nearest(points: &[[f32; 2]]) -> f32 {
-    let asked = &points[..points.len().min(ASKED)];
+    let asked = &points[..points.len().min(SAMPLED)];
     let gap = |a: &[f32; 2], b: &[f32; 2]| length([a[0] - b[0], a[1] - b[1]]);
     let all = asked.iter().enumerate().flat_map(|(i, a)| asked[..i].iter().map(move |b| gap(a, b)));
     all.filter(|gap| *gap > 0.0).fold(f32::INFINITY, f32::min)

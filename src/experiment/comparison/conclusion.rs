@@ -11,6 +11,8 @@ use crate::experiment::first;
 
 /// Ratios from here on are whole numbers.
 const WHOLE_RATIO: f64 = 9.95;
+/// A difference of lengths below this share of the larger one is called slight.
+const SLIGHT: f64 = 0.01;
 /// Units at the end of a heading, and how a difference in them is said.
 const UNITS: [(&str, &str); 7] =
     [("px", " px"), ("dB", " dB"), ("m", " m"), ("°", "°"), ("kB", " kB"), ("ms", " ms"), ("%", " percentage points")];
@@ -71,8 +73,11 @@ fn ratio(a: f64, b: f64) -> Option<String> {
 fn quality(row: &Row, reference: &Row) -> Option<String> {
     let known = |column: &Column| [row, reference].map(|of| column.shown(of));
     let is_known = |column: &Column| known(column).iter().any(Option::is_some);
-    // What only one of them has is not passed over where the truth is known.
-    let is_first = |column: &Column| is_known(column) && (column.is_against_truth() || !known(column).contains(&None));
+    let may_be_of_both = |column: &Column| [row, reference].iter().all(|of| column.may_be_of(&*of.estimator));
+    // What both could have and only one has is not passed over where the truth is known.
+    let is_first = |column: &Column| {
+        is_known(column) && (!known(column).contains(&None) || column.is_against_truth() && may_be_of_both(column))
+    };
     let (column, better) = measured().find(|(column, _)| is_first(column))?;
     let (name, unit) = name_and_unit(column.heading);
     let (own, other) = match known(&column) {
@@ -82,9 +87,14 @@ fn quality(row: &Row, reference: &Row) -> Option<String> {
     };
     let difference = fixed((own - other).abs(), column.digits);
     let is_better = (own < other) == (better == Better::Smaller);
+    let is_length = ["px", "m"].contains(&unit.trim());
+    let is_slight = is_length && (own - other).abs() < SLIGHT * own.abs().max(other.abs());
     let said = match own == other {
         true => format!("the same {name}"),
-        false => format!("{name} {difference}{unit} {}", if is_better { "better" } else { "worse" }),
+        false => {
+            let verdict = if is_better { "better" } else { "worse" };
+            format!("{name} {difference}{unit} {verdict}{}", if is_slight { " (less than 1 %)" } else { "" })
+        }
     };
     Some(said + &elsewhere(&column, row, reference))
 }
@@ -167,8 +177,9 @@ mod tests {
         );
         let alike = row("diamond", 969.21, &[(&EPE, 0.6351)]);
         assert_eq!(against(&alike, &full), "as many candidates, the same EPE");
-        assert_eq!(against(&row("diamond", 950.0, &[]), &full), "about as many candidates");
-        assert_eq!(against(&row("diamond", 400.0, &[]), &full), "2.4 × fewer candidates");
+        let unscored = row("full-search", 969.24, &[]);
+        assert_eq!(against(&row("diamond", 950.0, &[]), &unscored), "about as many candidates");
+        assert_eq!(against(&row("diamond", 400.0, &[]), &unscored), "2.4 × fewer candidates");
     }
 
     #[test]
@@ -195,6 +206,8 @@ mod tests {
         assert_eq!(quality(&a, &b).as_deref(), Some("the same EPE"));
         let [a, b] = [30.0, 31.5].map(|psnr| row("diamond", 5.0, &[(&PSNR, psnr)]));
         assert_eq!(quality(&a, &b).as_deref(), Some("PSNR 1.50 dB worse"));
+        let [near, far] = [0.634, 0.637].map(|epe| row("diamond", 5.0, &[(&EPE, epe)]));
+        assert_eq!(quality(&near, &far).as_deref(), Some("EPE 0.003 px better (less than 1 %)"));
         assert_eq!(name_and_unit("bad 3 %"), ("bad 3", " percentage points"));
         assert_eq!(name_and_unit("mask F₁"), ("mask F₁", ""));
     }

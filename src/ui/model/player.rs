@@ -9,7 +9,7 @@ pub enum Pace {
     Events,
     /// Units: every block is shown when it is finished.
     Units,
-    /// So many granularities further out than the units, such as warps and levels: each is shown when it is finished.
+    /// This many granularities coarser than a unit, such as warps and levels: each is shown once it is finished.
     Outer(usize),
 }
 

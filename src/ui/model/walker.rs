@@ -32,7 +32,7 @@ const SLOW_AFTER: Duration = Duration::from_millis(60);
 const NEWS: Duration = Duration::from_millis(30);
 /// How long work may go on after it was stopped before it is left behind.
 const GRACE: Duration = Duration::from_millis(250);
-/// So many threads that were left behind may be at work when another run is started.
+/// Abandoned threads that may still be running when another run starts.
 const LEFT: usize = 2;
 /// Small moves that may wait: more would make a held key run on after it is let go.
 const QUEUE: usize = 4;

@@ -58,7 +58,7 @@ enum Cause {
 const TEXTURE: f32 = 1.0;
 /// Noise with a standard deviation of 3 gray levels gives eigenvalues of about this, in (gray levels per px)².
 const NOISE: f32 = 4.5;
-/// So many times that much in one direction is an edge.
+/// How many times the noise a gradient in one direction must be to count as an edge.
 const EDGE: f32 = 4.0;
 /// Neighbours that differ by more are a motion boundary, in px.
 const BOUNDARY_PX: f32 = 1.0;

@@ -9,7 +9,7 @@ use crate::products::{RegionField, RegionFrame};
 pub(crate) const FAIR: f64 = 0.5;
 /// A region so many times as large as the true box has grown, one with the inverse has shrunk.
 pub(super) const GROWN: f64 = 2.0;
-/// So many frames before an occlusion a region that met the object is lost by it.
+/// A region that still covered the object this many frames before an occlusion was lost because of it.
 const SHORTLY: usize = 5;
 
 /// What became of the region.

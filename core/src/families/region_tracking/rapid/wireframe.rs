@@ -11,7 +11,7 @@ pub type Vector = [f64; 3];
 /// A place in the picture in px.
 pub type Point = [f64; 2];
 
-/// Sides of the prism that stands for a cylinder.
+/// Axes of the prism that stands for a cylinder.
 const SIDES: usize = 24;
 /// The nearest depth in m that a camera sees.
 const NEAREST_M: f64 = 1e-3;
@@ -189,7 +189,7 @@ impl Wireframe {
 
     /// The translation at which the projection of a rotated model has the centre and the area of a region.
     pub fn placed(&self, camera: &Camera, rotated: Pose, region: Region) -> Pose {
-        /// So many corrections reach rounding.
+        /// Enough corrections to converge to rounding error.
         const CORRECTIONS: usize = 20;
         let wanted = region.bounds();
         let radius = self.corners.iter().map(|c| c.iter().map(|x| x * x).sum::<f64>().sqrt()).fold(0.0, f64::max);
