@@ -111,5 +111,47 @@ fn page(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, frame, page);
+/// A landscape of 33×33 costs at 1280×720 that is zoomed: laid out and made triangles of, and drawn by whatever driver there is, with the
+/// picture read back.
+fn landscape(c: &mut Criterion) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("leaned.motionscope");
+    let lines = "motionscope = 1\nclip = \"synth:pillar\"\nestimator = \"full-search\"\nstep = \"100.800\"\n[picture]\nlandscape = true\n";
+    std::fs::write(&path, lines).expect("it is written");
+    let build = |cc: &mut eframe::CreationContext<'static>| {
+        let mut app = App::new(&cc.egui_ctx, None).expect("a thread");
+        ui::begin(&mut app, Start { open: Some(path.into()) });
+        app
+    };
+    let mut window = Harness::builder().with_size(vec2(1280.0, 720.0)).wgpu().build_eframe(build);
+    for _ in 0..5 {
+        window.state_mut().wait();
+        window.run_steps(60);
+    }
+    assert!(window.state().settings().look.landscape);
+    let mut way = 1.0;
+    let mut zoom = move |window: &mut Harness<'static, App>| {
+        way = -way;
+        window.hover_at(Pos2::new(400.0, 350.0));
+        let (unit, source, delta) = (MouseWheelUnit::Point, MouseWheelSource::Wheel, vec2(0.0, 30.0 * way));
+        let (phase, modifiers) = (TouchPhase::Move, Modifiers::NONE);
+        window.event(Event::MouseWheel { unit, source, delta, phase, modifiers });
+        window.step();
+    };
+    c.bench_function("a frame of a landscape, 720p, while it is zoomed", |b| {
+        b.iter(|| {
+            zoom(&mut window);
+            let shapes = window.output().shapes.clone();
+            black_box(window.ctx.tessellate(shapes, 1.0).len())
+        });
+    });
+    c.bench_function("the same, drawn", |b| {
+        b.iter(|| {
+            zoom(&mut window);
+            black_box(window.render().expect("a driver").width())
+        });
+    });
+}
+
+criterion_group!(benches, frame, page, landscape);
 criterion_main!(benches);

@@ -465,6 +465,17 @@ fn steps_are_exported_one_by_one_or_block_by_block() {
 }
 
 #[test]
+fn a_landscape_turns_in_the_pictures_of_a_step() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let export = format!("export {SMALL} --estimator diamond --steps 2.5..2.5 --turntable 4 --out turn");
+    assert!(refusal(here, &export).contains("--landscape"));
+    stdout(here, &format!("{export} --landscape"));
+    let pictures: Vec<_> = (0..4).map(|i| fs::read(here.join(format!("turn/step_{i:05}.png"))).unwrap()).collect();
+    assert!((1..4).all(|i| pictures[i] != pictures[0]), "each from another side");
+}
+
+#[test]
 fn an_animation_shows_the_exported_steps() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();

@@ -81,6 +81,7 @@ impl Fixture {
             cursor: Cursor::default(),
             scene: &self.scene,
             step: None,
+            hides_untested: false,
             lockstep: None,
             stands: RunState::default(),
             look: Look::of_window(),

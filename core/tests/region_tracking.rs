@@ -733,3 +733,24 @@ fn a_size_that_stays_is_no_move() {
         assert_eq!(is_present, !said.contains("of the way to it"), "{said}");
     }
 }
+
+#[test]
+fn the_hill_that_mean_shift_climbs_has_its_coefficient_where_the_ellipse_is() {
+    let (estimator, clip) = (set("mean-shift", &[]), scene("hand-held"));
+    let mut walk = estimator.walk(&clip, 0).expect("a run");
+    let mut compared = 0;
+    for _ in 0..60 {
+        walk.jump(Move::Granularity(2, Direction::Forward));
+        let step = walk.step(None);
+        let Some(surface) = step.readouts.iter().find_map(|readout| readout.landscape()) else { continue };
+        let Some(coefficient) = common::fact(&step, "Bhattacharyya coefficient") else { continue };
+        let shift = common::fact(&step, "Shift").expect("its number");
+        // The first ellipse stands in the middle of a cell.
+        if shift == "1" {
+            let value = surface.interpolated(surface.trail[0]).expect("it is known");
+            assert!((f64::from(value) - common::numbers(&coefficient)[0]).abs() < 6e-4, "{value}, not {coefficient}");
+            compared += 1;
+        }
+    }
+    assert!(compared > 4, "{compared}");
+}

@@ -367,7 +367,7 @@ pub struct ExportArgs {
     /// Blended pictures that lead from each step of the animation to the next.
     #[arg(long, help_heading = "Output", value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=i64::from(Timing::MOST_BETWEEN)), requires = "animation")]
     pub between: u32,
-    /// Pictures of each step in which surface-3d, pyramid and cloud turn once around.
+    /// Pictures of each step in which a landscape, surface-3d, pyramid and cloud turn once around.
     #[arg(long, help_heading = "Output", value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=720), requires = "steps")]
     pub turntable: u32,
     /// Overwrite input files, or save among the frames of the clip.

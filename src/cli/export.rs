@@ -30,11 +30,12 @@ pub fn export(args: &ExportArgs) -> Result<(), Error> {
         check_folder(file)?;
     }
     let panes = Selection::of(&args.sheet.panes);
-    if args.turntable > 1 && !panes.is_in_space() {
-        return Err(Error::new("--turntable turns charts in space; add --panes with surface-3d, pyramid or cloud"));
-    }
     let session = task::session(&args.task, &args.picture)?;
     let (look, pixel) = (task::look(&session), task::pixel(session.position, &args.picture));
+    if args.turntable > 1 && !panes.is_in_space() && !look.landscape {
+        let why = "--turntable turns what is in space; add --landscape, or --panes with surface-3d, pyramid or cloud";
+        return Err(Error::new(why));
+    }
     let panes = panes.seeing(task::section(&session));
     let prepared = task::prepare(&args.task, session.experiment)?;
     let info = prepared.experiment.info();

@@ -5,11 +5,11 @@ mod framing;
 use std::sync::Arc;
 
 use framing::{cut, has_part, is_link_seen, is_seen, magnified, pane_size, pane_sizes};
-use motionscope_core::scene::{Mark, Math, Picture, Sentence, Shape};
-use motionscope_core::{Grid, Scene, Step};
+use motionscope_core::scene::{Mark, Math, Picture, Sentence, Shape, Surface};
+use motionscope_core::{Grid, Scene};
 
 use super::charts::explanation::{Density, equation};
-use super::charts::relief::{Landscape, Lean, standing};
+use super::charts::relief::{Landscape, Lean};
 use super::charts::{Orbit, Type, shortened};
 use super::focus::{self, FocusMode, Work};
 use super::freehand::{FreehandLine, freehand};
@@ -127,8 +127,8 @@ pub struct Part<'a> {
     pub pictures: Pictures,
     /// The marks.
     pub scene: &'a Scene,
-    /// What is told of the step, where something of it may rise from a picture.
-    pub step: Option<&'a Step>,
+    /// The surface that rises out of a picture where that is leaned back.
+    pub rises: Option<Surface>,
     /// Where there are several: the estimator's name, whether it waits for the others, and what it has come to, the
     /// first that there is room for being told.
     pub heading: Option<(&'a [String; 2], bool, &'a [Sentence])>,
@@ -172,7 +172,7 @@ pub struct Figure {
 impl Figure {
     /// Lays out `scene` over `pictures`.
     pub fn new(pictures: &Pictures, scene: &Scene, options: &FigureOptions) -> Self {
-        Self::of(&[Part { pictures: pictures.clone(), scene, step: None, heading: None }], scene, options)
+        Self::of(&[Part { pictures: pictures.clone(), scene, rises: None, heading: None }], scene, options)
     }
 
     /// Lays out `parts`, two or three in a row and four in a square; `scene` has the marks of all.
@@ -427,9 +427,9 @@ impl Layout<'_> {
         part: &Part<'_>,
     ) -> Option<Layer> {
         let orbit = self.options.leaned?;
-        let (surface, footing) = standing(part.step?).filter(|(_, footing)| panel.shows(footing.on))?;
-        let surface = surface.landscape();
-        let landscape = Landscape::new((&surface, footing), (flat, rect), Lean { amount: 1.0, orbit });
+        let surface = part.rises.as_ref()?;
+        let footing = surface.footing.as_ref().filter(|footing| panel.shows(footing.on))?;
+        let landscape = Landscape::new((surface, footing), (flat, rect), Lean { amount: 1.0, orbit });
         let (theme, density) = (self.look.theme, self.look.density);
         let ([left, top], [right, bottom]) = (rect.min, rect.max);
         let points = vec![[left, top], [right, top], [right, bottom], [left, bottom]];

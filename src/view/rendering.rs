@@ -1,5 +1,6 @@
 //! Rendering of a step as a picture, identical in the window and on the command line.
 
+use std::iter;
 use std::path::Path;
 use std::str::FromStr;
 use std::sync::Arc;
@@ -12,7 +13,9 @@ use super::look::{CaptionWords, Look};
 use super::moment::Moment;
 use super::panes::Selection;
 use super::sheet::Layout;
+use super::tile;
 use crate::paint::charts::explanation::equation_of;
+use crate::paint::charts::relief::risen;
 use crate::paint::{self, Caption, Figure, FigureOptions, Part, View, export_pdf, export_png, export_svg};
 
 /// The scale of marks in SVG and PDF, as in a PNG of this scale.
@@ -144,12 +147,14 @@ impl Rendering<'_> {
         let Moment { scene, pictures, tiles, .. } = moment;
         if tiles.is_empty() {
             let pictures = pictures.on_level(scene.levels.as_ref(), look.level, view);
-            return vec![Part { pictures, scene, step: Some(&moment.step), heading: None }];
+            let rises = look.landscape.then(|| risen(&moment.step, iter::empty())).flatten();
+            return vec![Part { pictures, scene, rises, heading: None }];
         }
-        let parts = tiles.iter().map(|tile| Part {
+        let beside = |member: usize| tile::beside(tiles, member).map(|(name, step)| (name, &**step));
+        let parts = tiles.iter().enumerate().map(|(member, tile)| Part {
             pictures: tile.pictures(pictures, look.level, view),
             scene: &tile.scene,
-            step: Some(&tile.step),
+            rises: look.landscape.then(|| risen(&tile.step, beside(member))).flatten(),
             heading: Some((&tile.names, tile.is_done, &tile.words)),
         });
         parts.collect()

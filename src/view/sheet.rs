@@ -428,7 +428,7 @@ mod tests {
             let beside = beside.iter().cloned().chain(names.into_iter().zip(large)).collect();
             let pictures =
                 crate::paint::Pictures { beside, ..crate::paint::Pictures::of([frame(320, 240), frame(320, 240)]) };
-            let parts = [Part { pictures, scene: &scene, step: None, heading: None }];
+            let parts = [Part { pictures, scene: &scene, rises: None, heading: None }];
             let figure = |zoom: f32| {
                 let options = FigureOptions { view: View::SideBySide, zoom, titles: true, ..FigureOptions::default() };
                 Figure::of(&parts, &scene, &options)

@@ -37,6 +37,12 @@ pub struct Tile {
     pub words: Vec<Sentence>,
 }
 
+/// The names and steps of the estimators beside one of several.
+pub fn beside(tiles: &[Tile], member: usize) -> impl Iterator<Item = (&'static str, &Arc<Step>)> {
+    let others = tiles.iter().enumerate().filter(move |(other, _)| *other != member);
+    others.map(|(_, tile)| (tile.info.name, &tile.step))
+}
+
 /// The result of one run when all end; with a common budget it may be incomplete.
 pub struct Ending {
     /// The motion-compensated prediction of frame t, where there is one.

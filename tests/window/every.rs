@@ -8,6 +8,8 @@ use motionscope_core::estimators;
 
 use super::*;
 use files::write_to;
+use landscape::leans;
+use motionscope::paint::charts::relief::standing;
 use objects::window;
 
 /// The estimators are shared out among so many tests, which run beside each other.
@@ -75,6 +77,7 @@ fn walk_through(id: &str) {
     window.settle();
     assert_eq!(window.cursor().event, middle, "{id}");
     check_picture(&mut window, &format!("{id}{}.png", NAMES[0]));
+    lean(&mut window, id);
     window.key(Key::End);
     assert!(window.shown().at_end && window.shown().failure.is_none(), "{id}: {:?}", window.shown().failure);
     check_picture(&mut window, &format!("{id}{}.png", NAMES[1]));
@@ -83,6 +86,16 @@ fn walk_through(id: &str) {
     assert!(!window.shown().at_end, "{id}: a step back from the end");
     window.key(Key::End);
     assert_eq!(window.sentence(), before, "{id}: the end is another one");
+}
+
+/// Leans the picture back and folds it flat again, where something rises from it.
+fn lean(window: &mut Window, id: &str) {
+    let rises = standing(&window.shown().step).is_some();
+    assert!(!leans(window), "{id}");
+    window.key(Key::P);
+    assert_eq!(leans(window), rises, "{id}: what rises stands on a picture in sight");
+    window.key(Key::P);
+    assert!(!leans(window), "{id}");
 }
 
 fn walk_part(part: usize) {

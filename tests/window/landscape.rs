@@ -1,38 +1,54 @@
 //! The picture leaned back, and what rises from it.
 
 use super::files::{paint, write_to};
+use super::layout::words;
 use super::pixels::pane_of;
 use super::*;
+use eframe::egui::TextureId;
 use motionscope::paint::Placement;
 use motionscope::paint::charts::Orbit;
 use motionscope::paint::charts::relief::{Landscape, Lean, standing};
 use motionscope::paint::primitive;
+use motionscope::view::tile::Tile;
+use motionscope_core::scene::Surface;
 
 /// A window in the midst of a block of a search.
 fn window() -> Window {
+    at_step("synth:pillar", "diamond", "100.9")
+}
+
+fn at_step(clip: &str, estimator: &str, step: &str) -> Window {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("one.motionscope");
-    let lines = "motionscope = 1\nclip = \"synth:pillar\"\nestimator = \"diamond\"\nstep = \"100.9\"\n";
+    let lines = format!("motionscope = 1\nclip = \"{clip}\"\nestimator = \"{estimator}\"\nstep = \"{step}\"\n");
     fs::write(&path, lines).expect("it is written");
     Window::with(vec2(1280.0, 720.0), Start { open: Some(path.into()) })
 }
 
-/// Whether the picture of frame t + 1 is drawn in perspective: in many triangles.
-fn leans(window: &Window) -> bool {
-    let pane = pane_of(window, "Frame t+1");
+/// A picture in perspective has more corners, a flat one has four.
+const LEAST_CORNERS: usize = 8;
+
+/// Whether a picture is drawn in perspective: in many triangles.
+pub fn leans(window: &Window) -> bool {
     let meshes = window.harness.output().shapes.iter().filter_map(|clipped| match &clipped.shape {
-        eframe::egui::Shape::Mesh(mesh) if clipped.clip_rect == pane => Some(mesh.vertices.len()),
+        eframe::egui::Shape::Mesh(mesh) if mesh.texture_id != TextureId::default() => Some(mesh.vertices.len()),
         _ => None,
     });
-    meshes.max().unwrap_or(0) > 300
+    meshes.max().unwrap_or(0) > LEAST_CORNERS
+}
+
+/// What rises from the picture.
+fn risen(window: &Window) -> Surface {
+    let readout = standing(&window.shown().step).expect("something rises");
+    readout.landscape().expect("a surface")
 }
 
 /// Where a displacement is seen once the picture is leaned back.
 fn seen(window: &Window, displacement: [i32; 2]) -> Pos2 {
     let pane = pane_of(window, "Frame t+1");
     let pane = primitive::Rect { min: pane.min.into(), max: pane.max.into() };
-    let (surface, footing) = standing(&window.shown().step).expect("a surface");
-    let surface = surface.landscape();
+    let surface = risen(window);
+    let footing = surface.footing.as_ref().expect("it stands on a picture");
     let lean = Lean { amount: 1.0, orbit: Orbit::default() };
     let landscape = Landscape::new((&surface, footing), (Placement::new([0.0; 2], 1.0), pane), lean);
     landscape.seen(displacement).expect("it is seen").into()
@@ -58,10 +74,9 @@ fn a_picture_leans_back_and_folds_flat_again() {
 fn a_click_on_a_candidate_goes_to_its_step() {
     let mut window = window();
     window.key(Key::P);
-    let tested = standing(&window.shown().step).expect("a surface").0.path();
-    let first = tested[0];
-    let (surface, _) = standing(&window.shown().step).expect("a surface");
-    let event = motionscope::paint::charts::heat_map::event(surface, first).expect("tested");
+    let surface = risen(&window);
+    let first = surface.path()[0];
+    let event = motionscope::paint::charts::heat_map::event(&surface, first).expect("tested");
     let before = window.cursor();
     assert_ne!(before.event, event);
     let place = seen(&window, first);
@@ -70,10 +85,22 @@ fn a_click_on_a_candidate_goes_to_its_step() {
 }
 
 #[test]
+fn a_click_on_what_no_event_has_worked_out_stays_where_it_is() {
+    let mut window = at_step("synth:fast-ball", "kalman-filter", "4.3");
+    window.key(Key::P);
+    assert!(leans(&window), "{}", window.sentence());
+    let before = window.cursor();
+    let pane = pane_of(&window, "Frame t");
+    window.click_at(pane.center());
+    assert_eq!(window.cursor(), before);
+}
+
+#[test]
 fn every_cost_of_the_window_is_known_to_the_landscape_and_the_tested_ones_are_the_run_s() {
     let window = window();
-    let (surface, footing) = standing(&window.shown().step).expect("a surface");
-    let (whole, known) = (footing.whole.as_ref().expect("a block search knows all"), &surface.values);
+    let surface = risen(&window);
+    let whole = surface.footing.as_ref().and_then(|footing| footing.whole.as_ref());
+    let (whole, known) = (whole.expect("a block search knows all"), &surface.values);
     assert!(whole.cells().iter().filter(|cost| cost.is_finite()).count() > 5 * surface.path().len());
     for (tested, cost) in known.cells().iter().zip(whole.cells()).filter(|(tested, _)| tested.is_finite()) {
         assert_eq!(tested, cost);
@@ -116,4 +143,27 @@ fn a_question_is_not_answered_by_the_landscape() {
     }
     assert!(window.app().predict().open().is_some(), "a search asks");
     assert!(!leans(&window));
+}
+
+#[test]
+fn searches_side_by_side_stand_on_each_others_terrain() {
+    let mut window = window();
+    window.command(Command::Lockstep);
+    for _ in 0..6 {
+        window.key(Key::ArrowRight);
+    }
+    let names: Vec<_> = window.shown().tiles.iter().map(|tile| tile.info.name).collect();
+    assert!(names.len() > 1);
+    let written = |window: &Window, name: &str| {
+        words(&window.harness.output().shapes).iter().filter(|word| word.text == name).count()
+    };
+    let flat: Vec<_> = names.iter().map(|name| written(&window, name)).collect();
+    window.key(Key::P);
+    assert!(leans(&window));
+    let best = |tile: &Tile| Some((tile.info.name, standing(&tile.step)?.landscape()?.best));
+    let best: Vec<_> = window.shown().tiles.iter().map(best).collect();
+    for (name, flat) in names.iter().zip(flat) {
+        let on_others = written(&window, name) - flat;
+        assert_eq!(on_others, names.len() - 1, "{name} stands on the terrain of the others: {best:?}");
+    }
 }

@@ -24,8 +24,8 @@ pub use pseudocode::{Line, Name};
 pub use quantity::{Layer, Quantity};
 pub use question::{Answer, Asked, Case, Question, Reading, Shown, asked};
 pub use readouts::{
-    Band, BetweenPixels, Chart, Constraint, Distribution, Fact, Footing, Framed, Matrix, Plane, PlaneCost, Readout,
-    Regions, Section, Series, Spread, Surface, Tile,
+    Axes, Band, BetweenPixels, Chart, Constraint, Distribution, Fact, Footing, Framed, Matrix, Plane, PlaneCost,
+    Readout, Regions, Section, Series, Spread, Surface, Tile,
 };
 pub use role::Role;
 pub use sentence::{Math, Sentence};

@@ -33,6 +33,8 @@ pub enum Readout {
     Matrices(Vec<Matrix>),
     /// Points in space.
     Cloud(Cloud),
+    /// A surface without a chart: it is shown rising out of the picture.
+    Landscape(Surface),
 }
 
 /// The kinds of [`Readout`] that a chart shows.
@@ -80,7 +82,7 @@ impl Readout {
     /// The chart that it is of, if it stands in one that an estimator declares.
     pub fn chart(&self) -> Option<Chart> {
         match self {
-            Readout::Facts(_) | Readout::Equation(_) | Readout::Distribution(_) => None,
+            Readout::Facts(_) | Readout::Equation(_) | Readout::Distribution(_) | Readout::Landscape(_) => None,
             Readout::Tiles(_) => Some(Chart::Tiles),
             Readout::Series(_) => Some(Chart::Series),
             Readout::Surface(_) => Some(Chart::Surface),
@@ -91,6 +93,26 @@ impl Readout {
             Readout::Stack(_) => Some(Chart::Stack),
             Readout::Matrices(_) => Some(Chart::Matrices),
             Readout::Cloud(_) => Some(Chart::Cloud),
+        }
+    }
+
+    /// Where it stands on a picture, if it can rise out of one.
+    pub fn footing(&self) -> Option<&Footing> {
+        match self {
+            Readout::Surface(surface) | Readout::Landscape(surface) => surface.footing.as_ref(),
+            Readout::Plane(plane) => plane.cost.as_ref()?.footing.as_ref(),
+            _ => None,
+        }
+    }
+
+    /// The surface that rises out of a picture, with all that is known of it.
+    pub fn landscape(&self) -> Option<Surface> {
+        match self {
+            Readout::Surface(surface) | Readout::Landscape(surface) => {
+                surface.footing.is_some().then(|| surface.landscape())
+            }
+            Readout::Plane(plane) => plane.landscape(),
+            _ => None,
         }
     }
 }
@@ -321,6 +343,40 @@ pub struct Surface {
     pub truth: Option<[f32; 2]>,
     /// Where it stands on a picture, if it belongs to a place of one.
     pub footing: Option<Footing>,
+    /// The quantities along its axes.
+    pub axes: Axes,
+    /// Places with their names.
+    pub named: Vec<(&'static str, Role, [f32; 2])>,
+    /// The value at which it has a contour, if one matters.
+    pub contour: Option<f32>,
+    /// The path of an iteration over it, from place to place.
+    pub trail: Vec<[f32; 2]>,
+}
+
+/// The quantities along the axes of a [`Surface`], whose cells need not be displacements of whole pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axes {
+    /// The two quantities with their units: `u, px`.
+    pub names: [&'static str; 2],
+    /// Their values at displacement (0, 0).
+    pub zero: [f32; 2],
+    /// Their step from cell to cell.
+    pub step: f32,
+}
+
+impl Axes {
+    /// Displacements of whole pixels.
+    pub const DISPLACEMENTS: Self = Self { names: ["u, px", "v, px"], zero: [0.0; 2], step: 1.0 };
+
+    /// The values at a displacement.
+    pub fn at(&self, displacement: [f32; 2]) -> [f32; 2] {
+        [0, 1].map(|i| self.zero[i] + self.step * displacement[i])
+    }
+
+    /// The displacement with these values.
+    pub fn displacement(&self, at: [f32; 2]) -> [f32; 2] {
+        [0, 1].map(|i| (at[i] - self.zero[i]) / self.step)
+    }
 }
 
 /// Where a surface stands on a picture.
@@ -383,7 +439,40 @@ impl Surface {
             between: Vec::new(),
             truth: None,
             footing: None,
+            axes: Axes::DISPLACEMENTS,
+            named: Vec::new(),
+            contour: None,
+            trail: Vec::new(),
         }
+    }
+
+    /// A quantity over a part of a picture, in cells of `step` px around the point `center`; NaN where it is not known.
+    pub fn over_picture(
+        (title, unit): (&'static str, &'static str),
+        (on, center, step): (Picture, [f32; 2], f32),
+        values: Grid<f32>,
+    ) -> Self {
+        let (width, height) = values.size();
+        let origin = [width, height].map(|side| -(side as i32 / 2));
+        Self {
+            unit,
+            footing: Some(Footing { px: step, ..Footing::new(on, center) }),
+            axes: Axes { names: ["x, px", "y, px"], zero: center, step },
+            ..Self::new(title, origin, values, Grid::new(width, height, None))
+        }
+    }
+
+    /// A quantity over the square of a picture up to `reach` px from `center`, sampled in the middles of `side` × `side` cells.
+    pub fn sampled_over_picture(
+        names: (&'static str, &'static str),
+        (on, center, reach): (Picture, [f32; 2], f32),
+        side: usize,
+        mut value: impl FnMut([f32; 2]) -> f32,
+    ) -> Self {
+        let step = 2.0 * reach / side as f32;
+        let along = |i: usize, cell: usize| center[i] + step * (cell as f32 - (side / 2) as f32);
+        let values = Grid::from_fn(side, side, |x, y| value([along(0, x), along(1, y)]));
+        Self::over_picture(names, (on, center, step), values)
     }
 
     /// The surface with all values that are known, whether or not the search has worked them out yet.
@@ -405,7 +494,48 @@ impl Surface {
         tested.or_else(others).copied().filter(|cost| cost.is_finite())
     }
 
-    /// The costs that the search has not worked out, as far as they are known.
+    /// The cost at a place between cells, interpolated; `None` where a neighbour is not known.
+    pub fn interpolated(&self, at: [f32; 2]) -> Option<f32> {
+        let from = [0, 1].map(|i| at[i] - self.origin[i] as f32);
+        let [s, t] = from.map(|c| c - c.floor());
+        let cost = |right: bool, down: bool| {
+            // A neighbour without weight need not be there.
+            let weight = (if right { s } else { 1.0 - s }) * (if down { t } else { 1.0 - t });
+            let cell = |c: f32, is_next: bool| (c >= 0.0).then_some(c.floor() as usize + usize::from(is_next));
+            if weight == 0.0 {
+                Some(0.0)
+            } else {
+                Some(weight * self.cost(cell(from[0], right)?, cell(from[1], down)?)?)
+            }
+        };
+        Some(cost(false, false)? + cost(true, false)? + cost(false, true)? + cost(true, true)?)
+    }
+
+    /// The lines along which the surface has the value `level`, as straight pieces across its cells.
+    pub fn contour_lines(&self, level: f32) -> Vec<[[f32; 2]; 2]> {
+        let (width, height) = self.values.size();
+        let (columns, rows) = (width.saturating_sub(1), height.saturating_sub(1));
+        let cells = (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y)));
+        cells.flat_map(|(x, y)| self.contour_in(x, y, level)).collect()
+    }
+
+    /// The pieces in the cell between four values: two crossed sides are joined, and of four each with the next one.
+    fn contour_in(&self, x: usize, y: usize, level: f32) -> Vec<[[f32; 2]; 2]> {
+        let corners = [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)];
+        let Some(values) = corners.iter().map(|at| self.cost(at.0, at.1)).collect::<Option<Vec<_>>>() else {
+            return Vec::new();
+        };
+        let place = |at: (usize, usize)| [self.origin[0] as f32 + at.0 as f32, self.origin[1] as f32 + at.1 as f32];
+        let crossed = (0..4).filter_map(|i| {
+            let (a, b) = (values[i], values[(i + 1) % 4]);
+            let (from, to) = (place(corners[i]), place(corners[(i + 1) % 4]));
+            let share = (level - a) / (b - a);
+            ((a < level) != (b < level)).then(|| [0, 1].map(|k| from[k] + share * (to[k] - from[k])))
+        });
+        crossed.collect::<Vec<_>>().chunks_exact(2).map(|ends| [ends[0], ends[1]]).collect()
+    }
+
+    /// The costs that nobody has tested, where they are known all the same.
     pub fn faint(&self) -> impl Iterator<Item = &Grid<f32>> {
         self.untested.iter().chain(&self.ahead)
     }
@@ -561,6 +691,8 @@ pub struct PlaneCost {
     pub unit: &'static str,
     /// The costs in the middles of equal square cells; NaN where it is not defined.
     pub values: Grid<f32>,
+    /// Where displacement (0, 0) stands on a picture, and how many px of it one px of displacement is.
+    pub footing: Option<Footing>,
 }
 
 impl PlaneCost {
@@ -575,14 +707,40 @@ impl PlaneCost {
         each: usize,
         cost: impl Fn([f32; 2]) -> f32,
     ) -> Self {
-        /// Samples read for a surface: a few milliseconds.
+        let cells = Self::cells(each);
+        let along = |i: usize, index: usize| center[i] + reach * ((2 * index + 1) as f32 / cells as f32 - 1.0);
+        let values = Grid::from_fn(cells, cells, |x, y| cost([along(0, x), along(1, y)]));
+        Self { name, unit, values, footing: None }
+    }
+
+    /// Cells along an axis, so that all of them together take a few milliseconds where each reads so many samples.
+    pub fn cells(each: usize) -> usize {
         const SAMPLES: f32 = 150_000.0;
         let cells = (SAMPLES / each.max(1) as f32).sqrt() as usize;
         // An odd number, so that the middle is the middle of a cell.
-        let cells = cells.clamp(9, Self::MOST) | 1;
-        let along = |i: usize, index: usize| center[i] + reach * ((2 * index + 1) as f32 / cells as f32 - 1.0);
-        let values = Grid::from_fn(cells, cells, |x, y| cost([along(0, x), along(1, y)]));
-        Self { name, unit, values }
+        cells.clamp(9, Self::MOST) | 1
+    }
+
+    /// The same cost at a place of a picture.
+    #[must_use]
+    pub fn on(self, footing: Footing) -> Self {
+        Self { footing: Some(footing), ..self }
+    }
+
+    /// The same cost, up to `reach` from `center`, as a surface where it stands on a picture.
+    pub fn surface(&self, center: [f32; 2], reach: f32) -> Option<Surface> {
+        let Self { name, unit, values, footing } = self;
+        let footing = footing.as_ref()?;
+        let (width, height) = values.size();
+        let step = 2.0 * reach / width as f32;
+        let at = [0, 1].map(|i| footing.at[i] + footing.px * center[i]);
+        let origin = [width, height].map(|side| -(side as i32 / 2));
+        Some(Surface {
+            unit,
+            footing: Some(Footing { at, px: footing.px * step, ..footing.clone() }),
+            axes: Axes { zero: center, step, ..Axes::DISPLACEMENTS },
+            ..Surface::new(name, origin, values.clone(), Grid::new(width, height, None))
+        })
     }
 
     /// The smallest and largest cost, where any is defined.
@@ -605,6 +763,17 @@ impl Plane {
         };
         let cost = values[(cell(0, values.width())?, cell(1, values.height())?)];
         cost.is_finite().then_some(cost)
+    }
+
+    /// The cost as a surface on its picture, with the points and the path of the plane on it.
+    fn landscape(&self) -> Option<Surface> {
+        let surface = self.cost.as_ref()?.surface(self.center, self.reach)?;
+        let place = |at: [f32; 2]| surface.axes.displacement(at);
+        Some(Surface {
+            named: self.points.iter().map(|&(name, role, at)| (name, role, place(at))).collect(),
+            trail: self.path.iter().copied().map(place).collect(),
+            ..surface
+        })
     }
 }
 
@@ -673,6 +842,40 @@ pub struct Spread {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_contour_goes_round_where_the_value_is() {
+        let cone = |[x, y]: [f32; 2]| 6.0 - (x - 20.0).hypot(y - 10.0);
+        let square = (Picture::CURRENT, [20.0, 10.0], 10.0);
+        let surface = Surface::sampled_over_picture(("φ", "px"), square, 41, cone);
+        let lines = surface.contour_lines(0.0);
+        let length: f32 = lines.iter().map(|[a, b]| surface.axes.step * (a[0] - b[0]).hypot(a[1] - b[1])).sum();
+        assert!((length - std::f32::consts::TAU * 6.0).abs() < 0.3, "{length}");
+        for at in lines.iter().flatten() {
+            assert!(cone(surface.axes.at(*at)).abs() < 0.05, "{at:?}");
+        }
+        assert!(surface.contour_lines(7.0).is_empty(), "above the peak");
+    }
+
+    #[test]
+    fn a_cost_in_the_plane_rises_where_its_displacements_are_in_the_picture() {
+        let (center, reach) = ([3.0, -1.0], 2.0);
+        let bowl = |at: [f32; 2]| (at[0] - 3.5).powi(2) + 2.0 * at[1] * at[1];
+        let cost = PlaneCost::sampled(("cost", ""), (center, reach), 200, bowl);
+        assert!(cost.surface(center, reach).is_none(), "it stands nowhere");
+        // Level 1 of a pyramid.
+        let cost = cost.on(Footing { px: 2.0, ..Footing::new(Picture::CURRENT, [40.0, 30.0]) });
+        let surface = cost.surface(center, reach).expect("it stands on a picture");
+        let footing = surface.footing.as_ref().expect("a footing");
+        for (displacement, at) in [([3.0, -1.0], [46.0, 28.0]), ([4.5, 0.25], [49.0, 30.5])] {
+            let cell = surface.axes.displacement(displacement);
+            let seen = [0, 1].map(|i| footing.at[i] + footing.px * cell[i]);
+            assert!((0..2).all(|i| (seen[i] - at[i]).abs() < 1e-4), "{displacement:?}: {seen:?}, not {at:?}");
+            let cost = surface.interpolated(cell).expect("it is inside");
+            assert!((cost - bowl(displacement)).abs() < 0.1, "{displacement:?}: {cost}");
+        }
+        assert_eq!(surface.interpolated(surface.axes.displacement([5.5, 0.0])), None, "beyond the plane");
+    }
 
     #[test]
     fn what_a_search_has_yet_to_test_is_not_missed() {

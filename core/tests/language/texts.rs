@@ -95,7 +95,10 @@ impl Texts {
                 series.bands.iter().for_each(|band| self.add("plot", &band.name));
                 series.thresholds.iter().for_each(|(name, _)| self.add("plot", name));
             }
-            Readout::Surface(surface) => self.add("plot", surface.title),
+            Readout::Surface(surface) | Readout::Landscape(surface) => {
+                self.add("plot", surface.title);
+                surface.named.iter().for_each(|(name, ..)| self.add("plot", name));
+            }
             Readout::Plane(plane) => {
                 self.add("plot", plane.title);
                 plane.points.iter().for_each(|(name, ..)| self.add("plot", name));

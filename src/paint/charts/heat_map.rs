@@ -161,7 +161,7 @@ pub struct Shades {
 impl Shades {
     /// Those of `surface`.
     pub fn of(surface: &Surface, colors: ColorMap) -> Self {
-        Self { range: surface.shades().unwrap_or_default(), colors }
+        Self { range: surface.shades().or(surface.scale).unwrap_or_default(), colors }
     }
 
     /// The color of a cost.
@@ -296,7 +296,7 @@ fn brief_optimum(surface: &Surface) -> String {
 
 /// Names the best value below the map and rings the cells that tie for it.
 fn optimum(canvas: &mut Canvas, map: &Map, (surface, area): (&Surface, Rect), theme: Theme) {
-    /// So many are told apart; more are a plain.
+    /// Ties ringed one by one; more of them are a plateau.
     const RINGS: usize = 12;
     let ties = surface.optimum().filter(|_| surface.optimum_between().is_none());
     if let Some((_, at)) = ties.filter(|(_, at)| (2..=RINGS).contains(&at.len())) {

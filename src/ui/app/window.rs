@@ -630,6 +630,7 @@ impl App {
             has_no_status: room.mode.is_lecture(),
             flows: !self.settings.reduced_motion,
             is_asked: self.predict.open().is_some(),
+            asks: self.predict.is_on(),
             gpu,
             presented: self.presentation.presented(),
             look: &mut self.settings.look,

@@ -511,6 +511,7 @@ fn picture(ui: &mut Ui, state: &mut State, (document, look): (&Document, &Look))
         placing: None,
         animate: false,
         flows: false,
+        hides_untested: false,
         presenting: stage::Presenting::default(),
     };
     stage::show_plain(ui, &input, &mut state.stage);

@@ -165,6 +165,8 @@ pub struct Panes<'a> {
     pub animate: bool,
     /// Whether a question is open, whose answer must not be seen.
     pub is_asked: bool,
+    /// Whether questions are asked, so that what a run has yet to work out is not shown.
+    pub asks: bool,
     /// Whether particles may.
     pub flows: bool,
     /// Whether the parameters take the room of other panes.
@@ -329,6 +331,7 @@ impl Panes<'_> {
             frame: shown.frame,
             scene: &shown.scene,
             step: Some(&shown.step).filter(|_| !self.is_asked),
+            hides_untested: self.asks,
             cursor: shown.cursor,
             lockstep: self.lockstep(shown),
             stands: shown.stands(shown.subject.experiment.estimator.shows_frame_alone()),
@@ -378,7 +381,7 @@ impl Panes<'_> {
         }
         if let Some(at) = response.sought {
             let (_, step) = self.explained(shown);
-            let tested = standing(step).and_then(|(surface, _)| event(surface, at));
+            let tested = standing(step).and_then(|readout| event(&readout.landscape()?, at));
             let cursor = |event| Cursor { event, ..shown.cursor };
             self.actions.ask(tested.map_or(Action::SeekCandidate(at), |event| Action::Seek(cursor(event))));
         }

@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use eframe::egui::{self, Ui};
-use motionscope_core::scene::{Footing, Surface};
+use motionscope_core::scene::{Footing, Picture, Readout, Surface};
 use motionscope_core::{Role, Step};
 
 use super::{Hand, Input, Spot, State};
 use crate::paint::charts::Orbit;
-use crate::paint::charts::relief::{Landscape, Lean, standing};
+use crate::paint::charts::relief::{Landscape, Lean, risen, standing};
 use crate::paint::{Placement, primitive, resolve};
 use crate::ui::charts::surface3d::{Renderer, Seen};
 use crate::ui::drawing::primitives;
@@ -34,14 +34,43 @@ pub struct Landscapes {
 struct Shown {
     /// The step whose surface it is, and that surface with all that is known of it.
     of: Option<(Arc<Step>, Surface)>,
+    /// Whether what the run has yet to work out is hidden.
+    hides_untested: bool,
+    /// The steps of the other estimators whose best stand on it.
+    beside: Vec<Arc<Step>>,
     /// When that step was shown first, in seconds.
     since: f64,
+    /// Whether an iteration has moved on by one since the step that was shown before.
+    rolls: bool,
     /// From 0, flat, to 1.
     amount: f32,
     renderer: Renderer,
 }
 
 impl Shown {
+    /// Takes the surface of a step at a time in seconds, unless it has it, with the best of the steps `beside` it on it.
+    fn take(&mut self, step: &Arc<Step>, (beside, hides_untested): (Vec<(&'static str, &Arc<Step>)>, bool), time: f64) {
+        let is_known = self.hides_untested == hides_untested
+            && self.of.as_ref().is_some_and(|(known, _)| Arc::ptr_eq(known, step));
+        let are_known = beside.len() == self.beside.len()
+            && beside.iter().zip(&self.beside).all(|((_, step), known)| Arc::ptr_eq(step, known));
+        if is_known && are_known {
+            return;
+        }
+        let Some(mut surface) = risen(step, beside.iter().map(|(name, step)| (*name, &***step))) else { return };
+        if hides_untested {
+            surface.ahead = None;
+        }
+        if !is_known {
+            let before = self.of.as_ref().map_or(&[][..], |(_, before)| &before.trail);
+            let has_grown = !before.is_empty() && surface.trail.len() == before.len() + 1;
+            (self.rolls, self.since) = (has_grown && surface.trail.starts_with(before), time);
+        }
+        self.of = Some((Arc::clone(step), surface));
+        self.hides_untested = hides_untested;
+        self.beside = beside.into_iter().map(|(_, step)| Arc::clone(step)).collect();
+    }
+
     /// The share of its way that the candidate of the step has fallen.
     fn fallen(&self, ui: &Ui) -> f32 {
         ((ui.input(|i| i.time) - self.since) / FALL_SECS).clamp(0.0, 1.0) as f32
@@ -55,24 +84,28 @@ impl Landscapes {
         if self.all.len() <= member {
             self.all.resize_with(member + 1, Shown::default);
         }
-        let shown = &mut self.all[member];
-        let is_seen = |footing: &Footing| spots.iter().any(|spot| !spot.is_small && spot.panel.shows(footing.on));
-        let found = input.step_of(member).and_then(|step| {
-            let (surface, _) = standing(step).filter(|(_, footing)| is_seen(footing))?;
-            Some((step, surface))
-        });
-        if let Some((step, surface)) = found
+        let (shown, time) = (&mut self.all[member], ui.input(|i| i.time));
+        let is_seen = |footing: &Footing| spots.iter().any(|spot| spot.panel.shows(footing.on));
+        let rises = |step: &&Arc<Step>| standing(step).and_then(Readout::footing).is_some_and(is_seen);
+        let found = input.step_of(member).filter(rises);
+        if let Some(step) = found
             && (input.look.landscape || shown.amount > 0.0)
-            && shown.of.as_ref().is_none_or(|(known, _)| !Arc::ptr_eq(known, step))
         {
-            shown.of = Some((Arc::clone(step), surface.landscape()));
-            shown.since = if input.animate { ui.input(|i| i.time) } else { f64::NEG_INFINITY };
+            let beside = if input.hides_untested { Vec::new() } else { input.beside(member) };
+            shown.take(step, (beside, input.hides_untested), if input.animate { time } else { f64::NEG_INFINITY });
         }
         // Nothing is drawn or placed on a picture that leans.
         let is_free = input.placing.is_none() && !matches!(input.presenting.hand, Hand::Draw(_));
         let secs = if input.animate { SECS } else { 0.0 };
         let id = ui.scope_id().with(("landscape", member));
         shown.amount = ui.ctx().animate_bool_with_time(id, input.look.landscape && is_free && found.is_some(), secs);
+    }
+
+    /// The picture that leans back, or is about to; none in lockstep, where each estimator has one.
+    pub(super) fn picture(&self) -> Option<Picture> {
+        let [Shown { of, amount, .. }] = &self.all[..] else { return None };
+        let (_, surface) = of.as_ref().filter(|_| *amount > 0.0)?;
+        surface.footing.as_ref().map(|footing| footing.on)
     }
 
     /// The landscape on the picture of a spot; none while it is flat.
@@ -95,7 +128,8 @@ impl Landscapes {
     pub(super) fn clicked(&self, spot: &Spot<'_>, sensed: &egui::Response, orbit: Orbit) -> Option<[i32; 2]> {
         // A double click returns to the usual view.
         let at = sensed.interact_pointer_pos().filter(|_| sensed.clicked() && !sensed.double_clicked())?;
-        self.on(spot, orbit)?.displacement_at(at.into(), REACH_PT)
+        let landscape = self.on(spot, orbit).filter(Landscape::has_events)?;
+        landscape.displacement_at(at.into(), REACH_PT)
     }
 }
 
@@ -120,8 +154,10 @@ pub(super) fn paint(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut Sta
     let [behind, before] = landscape.stand(input.theme());
     paint(&behind);
     let (theme, colors) = (input.theme(), input.look.colors);
-    let fallen = state.landscapes.all.get(spot.member).map_or(1.0, |shown| shown.fallen(ui));
-    let ball = landscape.falling(fallen).filter(|_| fallen < 1.0 && landscape.rise == 1.0);
+    let (fallen, rolls) =
+        state.landscapes.all.get(spot.member).map_or((1.0, false), |shown| (shown.fallen(ui), shown.rolls));
+    let ball = if rolls { landscape.rolling(fallen) } else { landscape.falling(fallen) };
+    let ball = ball.filter(|_| fallen < 1.0 && landscape.rise == 1.0);
     match input.gpu {
         Some(card) => {
             let Landscape { screen, eye, rise, .. } = landscape;

@@ -40,7 +40,7 @@ use crate::ui::panes::layout::{self, Panes};
 use crate::ui::parts::widgets;
 use crate::view::look::{Look, RunState};
 use crate::view::motion::AvailableLayers;
-use crate::view::tile::Tile;
+use crate::view::tile::{self, Tile};
 use follow::Follow;
 use glide::Glide;
 use landscape::Landscapes;
@@ -68,6 +68,8 @@ pub struct Input<'a> {
     pub scene: &'a Arc<Scene>,
     /// What is told of the step, where an estimator is at work.
     pub step: Option<&'a Arc<Step>>,
+    /// Whether what a run has yet to work out is hidden.
+    pub hides_untested: bool,
     /// Several estimators, if there are.
     pub lockstep: Option<Lockstep<'a>>,
     /// The step that is shown.
@@ -108,6 +110,11 @@ impl<'a> Input<'a> {
     /// What is told of the step of one of several estimators, or of the only one.
     fn step_of(&self, member: usize) -> Option<&'a Arc<Step>> {
         self.lockstep.and_then(|all| all.tiles.get(member)).map(|tile| &tile.step).or(self.step)
+    }
+
+    /// The names and steps of the estimators beside one of several.
+    fn beside(&self, member: usize) -> Vec<(&'static str, &'a Arc<Step>)> {
+        tile::beside(self.lockstep.map_or(&[][..], |all| all.tiles), member).collect()
     }
 }
 
@@ -226,11 +233,13 @@ impl State {
         self.zooms.iter().find(|(other, _)| other.is_aligned_with(picture)).map_or(Zoom::Fit, |(_, zoom)| *zoom)
     }
 
-    /// Which of the pictures is the large one where one is: the one that was chosen, or the one in which candidates are tested.
+    /// Which of the pictures is the large one where one is: the one that was chosen, the one that leans back, or the one in which
+    /// candidates are tested.
     fn large_of(&self, input: &Input<'_>) -> usize {
         let place = |of: Picture| self.panels.iter().position(|picture| *picture == of);
         let usual = || input.is_search.then(|| place(Picture::NEXT)).flatten();
-        self.large.and_then(place).or_else(usual).unwrap_or(0)
+        let leaned = || self.landscapes.picture().and_then(place);
+        self.large.and_then(place).or_else(leaned).or_else(usual).unwrap_or(0)
     }
 
     /// Lets the large picture be the usual one again.

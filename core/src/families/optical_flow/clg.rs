@@ -149,6 +149,7 @@ impl Model for Clg {
             equation,
             points,
             lines: self.lines(probe),
+            energy: None,
         }
     }
 }

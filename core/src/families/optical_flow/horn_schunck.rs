@@ -149,6 +149,7 @@ impl Model for HornSchunck {
             equation,
             points,
             lines: explain::line(probe.factors(), 1.0, Role::Candidate).into_iter().collect(),
+            energy: Some(Box::new(update.energy(self.alpha, probe.factors()))),
         }
     }
 }
@@ -166,6 +167,15 @@ struct Update {
 }
 
 impl Update {
+    /// The energy of the pixel's flow while its neighbours stay: its minimum is the update.
+    fn energy(&self, alpha: f32, [a, b, c]: [f32; 3]) -> impl Fn([f32; 2]) -> f32 + use<> {
+        let mean = self.mean;
+        move |[u, v]| {
+            let off = a * u + b * v + c;
+            off * off + alpha * alpha * ((u - mean[0]).powi(2) + (v - mean[1]).powi(2))
+        }
+    }
+
     fn of(model: &HornSchunck, probe: &Probe<HornSchunck>) -> Self {
         let (mean, [a, b, c]) = (model.solver.mean_of(probe), probe.factors());
         let (off, weight) = (a * mean[0] + b * mean[1] + c, model.alpha * model.alpha + a * a + b * b);
@@ -271,4 +281,22 @@ fn symbols(to: Math, (part, along): (&'static str, &'static str), is_warped: boo
         Math::text(" "),
         Math::Frac(Box::new(Math::Row(top)), Box::new(Math::Row(bottom))),
     ])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_update_is_the_minimum_of_the_energy() {
+        let (alpha, factors, mean) = (7.0, [12.0, -5.0, 20.0], [0.8, -0.4]);
+        let [a, b, c] = factors;
+        let (off, weight) = (a * mean[0] + b * mean[1] + c, alpha * alpha + a * a + b * b);
+        let to = [mean[0] - a * off / weight, mean[1] - b * off / weight];
+        let energy = Update { mean, off, weight, to }.energy(alpha, factors);
+        for [du, dv] in [[0.1, 0.0], [-0.1, 0.0], [0.0, 0.1], [0.0, -0.1], [0.07, 0.07]] {
+            assert!(energy(to) < energy([to[0] + du, to[1] + dv]), "({du}, {dv})");
+        }
+        assert!(energy(to) < energy(mean));
+    }
 }

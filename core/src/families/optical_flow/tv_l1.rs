@@ -112,6 +112,7 @@ impl Model for TvL1 {
             equation: pixel.equation(self, step, probe),
             points,
             lines: explain::line(probe.factors(), 1.0, Role::Candidate).into_iter().collect(),
+            energy: None,
         }
     }
 }

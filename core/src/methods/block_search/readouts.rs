@@ -35,23 +35,18 @@ impl Probe<'_> {
         let is_on_surface = |candidate: &Match| candidate.fraction == [0.0; 2];
         let is_fitted = self.settings.refinement.subpixel == Subpixel::Parabola;
         readouts.push(Readout::Surface(Surface {
-            title: self.settings.label(),
             unit: self.unit(),
-            is_similarity: false,
             scale: self.scale(),
-            origin: self.window.min,
-            values: self.costs(),
-            events: self.tests(),
             probe: self.passed_over().or_else(|| {
                 self.at_hand().map(|(candidate, _)| candidate).filter(is_on_surface).map(|at| at.displacement)
             }),
             // A sub-pixel position is not on the cost surface; a fitted one stays where it was tested.
             best: self.best().filter(|best| is_fitted || best.fraction == [0.0; 2]).map(|best| best.displacement),
             untested: self.untested(&whole),
-            ahead: None,
             between: self.between(),
             truth: self.truth_in_window().filter(|_| self.is_over()),
             footing: Some(Footing { whole: Some(whole), ..Footing::new(Picture::NEXT, self.block().center()) }),
+            ..Surface::new(self.settings.label(), self.window.min, self.costs(), self.tests())
         }));
         readouts.push(Readout::Series(self.series()));
         readouts.extend(self.histogram().map(Readout::Histogram));
@@ -97,7 +92,7 @@ impl Probe<'_> {
     /// A scale of colors for all of the block: from 0, a perfect match, to the largest cost of displacements that are spread over
     /// the window, so that a color means the same at every step and for every search.
     pub(super) fn scale(&self) -> Option<[f32; 2]> {
-        /// So many along each side.
+        /// Displacements along each side.
         const SPREAD: usize = 13;
         let (width, height) = self.window.size;
         let along = |size: usize| (0..SPREAD.min(size)).map(move |i| i * (size - 1) / (SPREAD.min(size) - 1).max(1));

@@ -8,7 +8,7 @@ use crate::base::words::{self, pixel};
 use crate::geometry::Grid;
 use crate::methods::differential::{Tensor, explain, numbers};
 use crate::run::Seen;
-use crate::scene::{Fact, Math, Name, Picture, Readout, Role, Scene, Sentence, Shape, Step, Tile};
+use crate::scene::{Fact, Math, Name, Picture, Readout, Role, Scene, Sentence, Shape, Step, Surface, Tile};
 
 fn point((x, y): (usize, usize)) -> [f32; 2] {
     [x as f32, y as f32]
@@ -214,12 +214,14 @@ impl<M: Measure> Corners<M> {
         }
         let threshold = (state.stage != Stage::Response).then(|| self.peaks(state).limit);
         let inspected = Pixel { name: pixel(*place), eigenvalues: tensor.eigenvalues(), threshold, flat: probe.flat };
-        vec![
+        let mut readouts = vec![
             Readout::Facts(facts),
             Readout::Equation(vec![matrix(), symbols, numbers]),
             Readout::Regions(eigenvalues::regions(&self.0, inspected)),
             Readout::Tiles(tiles),
-        ]
+        ];
+        readouts.extend(hills(seen, *place).map(Readout::Landscape));
+        readouts
     }
 
     /// Returns the status of a pixel after the response stage, and the line that decided it.
@@ -302,12 +304,9 @@ impl<M: Measure> Corners<M> {
     fn draw_map(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let (state, peaks) = (seen.before, self.peaks(seen.before));
         let (width, height) = state.map.size();
-        let values = Grid::from_fn(width, height, |x, y| match (state.stage, seen.events.get(x)) {
-            (Stage::Response, Some(Event::Response(response))) if y == state.row => M::shown(*response),
-            (Stage::Response, _) if y < state.row => M::shown(state.map[(x, y)]),
-            (Stage::Suppression | Stage::Choice, _) if peaks.is_over(x, y) => M::shown(state.map[(x, y)]),
-            _ => f32::NAN,
-        });
+        let is_shown = |x: usize, y: usize| state.stage == Stage::Response || peaks.is_over(x, y);
+        let shown = |x, y| response(seen, (x, y)).filter(|_| is_shown(x, y)).map_or(f32::NAN, M::shown);
+        let values = Grid::from_fn(width, height, shown);
         if values.cells().iter().any(|value| value.is_finite()) {
             scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin: [0.0; 2], values });
             scene.heat = Some(M::SHOWN);
@@ -332,6 +331,33 @@ impl<M: Measure> Corners<M> {
         scene.mark(Picture::CURRENT, Role::Reference, Shape::pixels(x, y, 1, 1));
         scene.legend(Role::Reference, "inspected pixel");
     }
+}
+
+/// The response of a pixel, if it has been computed.
+fn response<M: Measure>(seen: &Seen<Corners<M>>, (x, y): (usize, usize)) -> Option<f32> {
+    let state = seen.before;
+    match (state.stage, seen.events.get(x)) {
+        (Stage::Response, Some(Event::Response(response))) if y == state.row => Some(*response),
+        (Stage::Response, _) if y >= state.row => None,
+        _ => state.map.get(x, y).copied(),
+    }
+}
+
+/// The responses around a pixel, as far as they have been computed, compressed as on the map.
+fn hills<M: Measure>(seen: &Seen<Corners<M>>, place: (usize, usize)) -> Option<Surface> {
+    /// How far they reach to each side, in px.
+    const REACH: usize = 20;
+    let (width, height) = seen.before.map.size();
+    let at = |i: usize, from: usize| (from + i).checked_sub(REACH);
+    let value = |i, j| {
+        let (x, y) = (at(i, place.0)?, at(j, place.1)?);
+        if x < width && y < height { response(seen, (x, y)) } else { None }
+    };
+    let side = 2 * REACH + 1;
+    let values = Grid::from_fn(side, side, |i, j| value(i, j).map_or(f32::NAN, M::shown));
+    let surface = Surface::over_picture((M::SHOWN, ""), (Picture::CURRENT, point(place), 1.0), values);
+    surface.range()?;
+    Some(Surface { is_similarity: true, probe: Some([0; 2]), ..surface })
 }
 
 impl State {

@@ -5,7 +5,7 @@ use super::tracker::{Level, Mismatch};
 use crate::geometry::Grid;
 use crate::methods::differential::{Tensor, explain, numbers};
 use crate::products::Status;
-use crate::scene::{Fact, Math, Picture, Plane, PlaneCost, Readout, Role, Scene, Sentence, Shape, Tile};
+use crate::scene::{Fact, Footing, Math, Picture, Plane, PlaneCost, Readout, Role, Scene, Sentence, Shape, Tile};
 
 /// The tracking of a point on one level, up to the current event.
 pub struct LevelTrace<'a> {
@@ -211,14 +211,14 @@ impl LevelTrace<'_> {
         });
         let path: Vec<_> = [self.guess].into_iter().chain(iterations).collect();
         let mut points = vec![("initial guess", Role::Predicted, self.guess)];
-        points.extend((path.len() > 1).then(|| ("last increment", Role::Candidate, self.displacement())));
+        points.extend((path.len() > 1).then(|| ("current estimate", Role::Candidate, self.displacement())));
         points.extend(truth.map(|truth| ("true flow", Role::Truth, truth.map(|c| c / self.scale()))));
         let from_guess = |point: [f32; 2]| [0, 1].map(|i| point[i] - self.guess[i]);
         let known = path.iter().copied().chain(points.iter().map(|(.., point)| *point));
         // So that the valley is in sight before the first step.
         let reach = explain::reach(known.map(from_guess)).max(2.0);
         Plane {
-            title: "Squared difference of the windows",
+            title: "Mean squared difference of the windows",
             unit: if self.level == 0 { "px".into() } else { format!("px of level {}", self.level) },
             center: self.guess,
             reach,
@@ -248,7 +248,8 @@ impl LevelTrace<'_> {
             };
             window.iter().map(squared).sum::<f32>() / window.len() as f32
         };
-        PlaneCost::sampled(explain::SQUARED_DIFFERENCE, (self.guess, reach), window.len(), cost)
+        let footing = Footing { px: self.scale(), ..Footing::new(Picture::NEXT, self.at) };
+        PlaneCost::sampled(explain::SQUARED_DIFFERENCE, (self.guess, reach), window.len(), cost).on(footing)
     }
 
     /// Returns the window, its position in the other frame, and their difference δI.

@@ -1,7 +1,7 @@
-//! Covariance ellipses.
+//! Normal distributions in the plane: their ellipses, and their density as a surface.
 
 use super::chi_square;
-use crate::scene::Shape;
+use crate::scene::{Picture, Shape, Surface};
 
 /// Returns the ellipse around `center` that contains the share `p` of a 2-D normal distribution; `None` if it is not finite.
 pub fn ellipse(center: [f64; 2], covariance: [[f64; 2]; 2], p: f64) -> Option<Shape> {
@@ -15,9 +15,60 @@ pub fn ellipse(center: [f64; 2], covariance: [[f64; 2]; 2], p: f64) -> Option<Sh
     shape.is_finite().then_some(shape)
 }
 
+/// The density of a normal distribution over the part of a picture up to `reach` px from `middle`, blurred by half a cell so that no peak
+/// falls between cells; `None` if the covariance is singular.
+pub fn density(
+    (center, covariance): ([f64; 2], [[f64; 2]; 2]),
+    (on, middle, reach): (Picture, [f64; 2], f64),
+) -> Option<Surface> {
+    /// Cells along a side.
+    const SIDE: usize = 61;
+    if !(reach > 0.0 && reach.is_finite()) {
+        return None;
+    }
+    let blur = (reach / SIDE as f64).powi(2);
+    let [[xx, xy], [yx, yy]] = covariance;
+    let is_singular = xx * yy - xy * yx <= 0.0;
+    let (xx, yy) = (xx + blur, yy + blur);
+    let determinant = xx * yy - xy * yx;
+    if is_singular || !(determinant > 0.0 && determinant.is_finite()) {
+        return None;
+    }
+    let peak = 1.0 / (std::f64::consts::TAU * determinant.sqrt());
+    let value = |at: [f32; 2]| {
+        let [dx, dy] = [0, 1].map(|i| f64::from(at[i]) - center[i]);
+        let squared = (yy * dx * dx - (xy + yx) * dx * dy + xx * dy * dy) / determinant;
+        (peak * (-0.5 * squared).exp()) as f32
+    };
+    let square = (on, middle.map(|c| c as f32), reach as f32);
+    let surface = Surface::sampled_over_picture(("density", "px⁻²"), square, SIDE, value);
+    Some(Surface { is_similarity: true, ..surface })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_density_has_its_peak_in_the_middle_and_sums_to_one() {
+        let normal = ([40.0, 30.0], [[9.0, 2.0], [2.0, 4.0]]);
+        let surface = density(normal, (Picture::CURRENT, [40.0, 30.0], 15.0)).expect("it is one of the plane");
+        let (most, at) = surface.optimum().expect("it is known");
+        assert_eq!(at, [[0, 0]]);
+        let exact = 1.0 / (std::f32::consts::TAU * 32.0_f32.sqrt());
+        assert!((0.98 * exact..exact).contains(&most), "{most}: hardly lower for the blur");
+        // Much narrower than a cell, wherever in it.
+        for off in [0.0, 1.3, 2.5] {
+            let spike = ([40.0 + off, 30.0], [[0.5, 0.0], [0.0, 0.5]]);
+            let surface = density(spike, (Picture::CURRENT, [40.0, 30.0], 150.0)).expect("it is one of the plane");
+            let sum: f32 = surface.values.cells().iter().map(|value| value * surface.axes.step.powi(2)).sum();
+            assert!((0.95..1.05).contains(&sum), "{off} px: {sum}");
+        }
+        let cell = surface.axes.step * surface.axes.step;
+        let sum: f32 = surface.values.cells().iter().map(|value| value * cell).sum();
+        assert!((sum - 1.0).abs() < 2e-3, "{sum}");
+        assert_eq!(density(([0.0; 2], [[1.0, 1.0], [1.0, 1.0]]), (Picture::CURRENT, [0.0; 2], 5.0)), None);
+    }
 
     #[test]
     fn semi_axes_are_standard_deviations_times_the_quantile() {

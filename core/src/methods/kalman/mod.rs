@@ -14,7 +14,7 @@ pub use any::{
     AssociationNumbers, Filter, Measurement, Model, MotionModel, Noises, PredictionNumbers, Sigma, UpdateNumbers,
 };
 pub use consistency::ConsistencyTest;
-pub use ellipse::ellipse;
+pub use ellipse::{density, ellipse};
 pub use filter::{Association, Estimate, Innovation, Prediction, Sensor, Smoothed, Update, smoothed};
 pub use interacting::{Interacting, Mixing, Modes};
 pub use motion::{Acceleration, Motion, Nonlinear, Turn, Velocity};

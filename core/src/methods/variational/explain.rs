@@ -11,7 +11,8 @@ use crate::methods::differential::explain::{self, View};
 use crate::methods::differential::{Conclusion, numbers};
 use crate::run::{Estimator, Seen};
 use crate::scene::{
-    Fact, Floor, Layer, Levels, Picture, Plane, Quantity, Readout, Role, Scene, Sentence, Series, Shape, Stack, Step,
+    Fact, Floor, Footing, Layer, Levels, Picture, Plane, PlaneCost, Quantity, Readout, Role, Scene, Sentence, Series,
+    Shape, Stack, Step,
 };
 
 /// The pseudocode lines that all methods share.
@@ -46,9 +47,10 @@ impl<M: Model> Variational<M> {
                 };
             }
             (Some(Event::Step(step, _)), Some(probe)) => {
-                let Explanation { sentence, facts, equation, points, lines } = self.0.explanation(*step, &probe);
+                let explanation = self.0.explanation(*step, &probe);
+                let plane = plane(seen.before, &probe, &explanation);
+                let Explanation { sentence, facts, equation, .. } = explanation;
                 let facts = self.facts(seen, Some((&probe, facts)));
-                let plane = plane(seen.before, &probe, points, lines);
                 (
                     self.0.steps()[*step],
                     self.concluded(seen, sentence),
@@ -279,18 +281,14 @@ fn medians<M: Model>(state: &State<M>) -> Sentence {
 
 /// The (u, v) plane: constraint lines, the flow before and after the step, and the true flow. A single line has its name at its
 /// displacement nearest to the neighbourhood mean, or else to the flow before the step: there the data term alone would lead.
-fn plane<M: Model>(
-    state: &State<M>,
-    probe: &Probe<M>,
-    points: Vec<(&'static str, Role, [f32; 2])>,
-    lines: Vec<crate::scene::Constraint>,
-) -> Readout {
+fn plane<M: Model>(state: &State<M>, probe: &Probe<M>, explanation: &Explanation) -> Readout {
+    let Explanation { points, lines, energy, .. } = explanation;
     let mut all = vec![("before", Role::Best, probe.from())];
-    all.extend(points);
+    all.extend(points.iter().copied());
     let truth = state.fixed.frames.truth(probe.level, probe.place);
     all.extend(truth.map(|truth| ("true flow", Role::Truth, truth)));
     let shown: Vec<_> = all.iter().map(|(.., point)| *point).collect();
-    let View { center, reach } = View::around(&shown, &lines);
+    let View { center, reach } = View::around(&shown, lines);
     if let [line] = &lines[..] {
         let mean = all.iter().find(|(name, ..)| *name == "mean");
         let from = mean.map_or(probe.from(), |(.., mean)| *mean);
@@ -301,10 +299,15 @@ fn plane<M: Model>(
         unit: probe.unit(),
         reach,
         center,
-        cost: None,
+        cost: energy.as_ref().map(|energy| {
+            let (place, scale) = (<[usize; 2]>::from(probe.place), probe.scale);
+            let at = [0, 1].map(|i| (place[i] as f32 + 0.5) * scale[i] - 0.5);
+            let footing = Footing { px: scale[0], ..Footing::new(Picture::CURRENT, at) };
+            PlaneCost::sampled(("energy up to a constant", "gray levels²"), (center, reach), 1, energy).on(footing)
+        }),
         path: Vec::new(),
         groups: Vec::new(),
-        lines,
+        lines: lines.clone(),
         points: all,
         ellipse: None,
     })

@@ -38,12 +38,26 @@ const GROWTH: f32 = 1.16;
 /// Where the eye sees anything, as shares of its distance from the target.
 const SEEN: [f32; 2] = [0.05, 40.0];
 
-/// The surface of a step that stands on a picture.
-pub fn standing(step: &Step) -> Option<(&Surface, &Footing)> {
-    step.readouts.iter().find_map(|readout| match readout {
-        Readout::Surface(surface) => Some((surface, surface.footing.as_ref()?)),
-        _ => None,
-    })
+/// What rises out of a picture at a step.
+pub fn standing(step: &Step) -> Option<&Readout> {
+    step.readouts.iter().find(|readout| readout.footing().is_some())
+}
+
+/// What rises out of a picture at a step as a surface, with the best of searches `beside` it that search the same terrain.
+pub fn risen<'a>(step: &Step, beside: impl Iterator<Item = (&'static str, &'a Step)>) -> Option<Surface> {
+    let mut surface = standing(step)?.landscape()?;
+    let others = beside.filter_map(|(name, step)| Some((name, standing(step)?.landscape()?)));
+    let best = others.filter_map(|(name, other)| Some((name, Role::Best, on_same_terrain(&surface, &other)?)));
+    let best: Vec<_> = best.collect();
+    surface.named.extend(best);
+    Some(surface)
+}
+
+/// The best of another search so far, where it searches the terrain of `surface`.
+fn on_same_terrain(surface: &Surface, other: &Surface) -> Option<[f32; 2]> {
+    let place = |of: &Surface| of.footing.as_ref().map(|footing| (footing.on, footing.at, footing.px));
+    let is_same = surface.title == other.title && place(surface) == place(other);
+    other.best.filter(|_| is_same).map(|best| best.map(|c| c as f32))
 }
 
 /// How far a picture is leaned back.
@@ -146,16 +160,28 @@ impl<'a> Landscape<'a> {
         self.project(self.bench.place(displacement.map(|c| c as f32), cost))
     }
 
+    /// Where the ball is after a share of the last move of an iteration.
+    pub fn rolling(&self, share: f32) -> Option<Point> {
+        let [.., from, to] = self.surface.trail[..] else { return None };
+        let at = [0, 1].map(|i| from[i] + (to[i] - from[i]) * share);
+        self.project(self.bench.place(at, self.surface.interpolated(at)?))
+    }
+
     /// Where the candidate under test is on its way down to its cost, of which it has fallen a share.
     pub fn falling(&self, share: f32) -> Option<Point> {
         let pins = mesh::pins(self.surface, &self.bench);
-        let pin = pins.into_iter().find(|pin| pin.role == Role::Candidate)?;
+        let pin = pins.into_iter().find(|pin| pin.role == Role::Candidate && pin.name.is_empty())?;
         let foot = self.bench.place(pin.at, pin.cost);
         let height = DROP + (foot.y - DROP) * share * share;
         self.project(Vec3 { y: height, ..foot })
     }
 
-    /// The displacement whose cost is seen next to `at`, no further from it than `reach` points.
+    /// Whether its costs were worked out by events that one can go to.
+    pub fn has_events(&self) -> bool {
+        self.surface.events.cells().iter().any(Option::is_some)
+    }
+
+    /// The displacement whose cost is seen next to `at`, no further from it than `reach` points; one that was tested, if there is any.
     pub fn displacement_at(&self, at: Point, reach: f32) -> Option<[i32; 2]> {
         let [width, height] = self.bench.size;
         let cells = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
@@ -163,9 +189,11 @@ impl<'a> Landscape<'a> {
             let displacement = [0, 1].map(|i| self.bench.origin[i] + cell[i] as i32);
             let [x, y] = self.seen(displacement)?;
             let far = (x - at[0]).hypot(y - at[1]);
-            (far <= reach).then_some((far, displacement))
+            let is_untested = self.surface.events.get(cell[0], cell[1]).is_none_or(Option::is_none);
+            (far <= reach).then_some(((is_untested, far), displacement))
         };
-        cells.filter_map(near).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, displacement)| displacement)
+        let nearer = |a: &(bool, f32), b: &(bool, f32)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1));
+        cells.filter_map(near).min_by(|a, b| nearer(&a.0, &b.0)).map(|(_, displacement)| displacement)
     }
 
     /// A picture of `size` pixels on the ground, as triangles of corners.

@@ -4,7 +4,7 @@ use glam::Vec3;
 use motionscope_core::Role;
 use motionscope_core::scene::Surface;
 
-use super::super::super::{Color, ColorMap, Theme};
+use super::super::super::{Color, ColorMap, Theme, number};
 use super::super::heat_map::{Shades, any_cost};
 
 /// How far costs that the search did not work out go over into gray, and this gray.
@@ -16,6 +16,8 @@ const RAISED: f32 = 0.006;
 const HEIGHT: f32 = 1.0;
 /// Height of the pin at the best, unless its cost is higher.
 const BEST_PIN: f32 = 0.86 * HEIGHT;
+/// How high the pin of a place with a name stands over its cost.
+const NAMED_PIN: f32 = 0.3 * HEIGHT;
 
 /// A corner of a triangle, as the graphics card reads it.
 #[repr(C)]
@@ -92,7 +94,7 @@ impl Bench {
     }
 }
 
-/// The triangles of `surface` in colours of its costs, with a pin at the best and one at the probe.
+/// The triangles of `surface` in colours of its costs, with its pins.
 pub fn relief(surface: &Surface, colors: ColorMap, theme: Theme) -> Relief {
     let mut relief = Relief::default();
     let bench = Bench::new(surface);
@@ -105,6 +107,8 @@ pub fn relief(surface: &Surface, colors: ColorMap, theme: Theme) -> Relief {
 pub struct Pin {
     /// What the displacement is.
     pub role: Role,
+    /// Its name; where it has none, its cost is written at the pin.
+    pub name: &'static str,
     /// The displacement in px.
     pub at: [f32; 2],
     /// Its cost.
@@ -122,10 +126,26 @@ pub fn pins(surface: &Surface, bench: &Bench) -> Vec<Pin> {
     let probe = surface.probe.and_then(whole);
     let missed = surface.missed().and_then(|(at, _)| whole(at));
     let all = [(Role::Best, best, BEST_PIN), (Role::Candidate, probe, HEIGHT), (Role::Error, missed, HEIGHT)];
-    let pin = |(role, found, top): (Role, Option<([f32; 2], f32)>, f32)| {
-        found.map(|(at, cost)| Pin { role, at, cost, top: top.max(bench.height(cost)) })
+    let all = all.into_iter().filter_map(|(role, found, top)| Some((role, "", found?, top)));
+    let named = surface.named.iter().filter_map(|&(name, role, at)| {
+        let cost = surface.interpolated(at)?;
+        Some((role, name, (at, cost), bench.height(cost) + NAMED_PIN))
+    });
+    let pin = |(role, name, (at, cost), top): (Role, &'static str, ([f32; 2], f32), f32)| Pin {
+        role,
+        name,
+        at,
+        cost,
+        top: top.max(bench.height(cost)),
     };
-    all.into_iter().filter_map(pin).collect()
+    all.chain(named).map(pin).collect()
+}
+
+impl Pin {
+    /// What is written at it.
+    pub fn words(&self) -> String {
+        if self.name.is_empty() { number(self.cost) } else { self.name.to_owned() }
+    }
 }
 
 /// Radii of the needle and of the ball of a pin.
@@ -247,7 +267,7 @@ impl Relief {
     }
 
     /// A needle that can be seen above the surface, and a ball on the surface.
-    fn pin(&mut self, bench: &Bench, Pin { role, at, cost, top }: Pin, theme: Theme) {
+    fn pin(&mut self, bench: &Bench, Pin { role, at, cost, top, .. }: Pin, theme: Theme) {
         let color = theme.stroke(role).0;
         let foot = bench.place(at, cost);
         let [needle, ball] = pin_radii(role, theme);

@@ -8,14 +8,15 @@ pub mod mesh;
 mod sheet;
 
 use glam::Vec3;
-use motionscope_core::scene::Surface;
+use motionscope_core::Role;
+use motionscope_core::scene::{Axes, Surface};
 
 use super::super::primitive::{Anchor, Line, Point, Primitive, Rect};
 use super::super::{Face, Layer, Theme, labels, number};
 use super::axis::Axis;
 use super::canvas::{Canvas, Level, Type, covered, shortened, solid};
 use super::{ChartStyle, Drawing, Orbit, Room, Screen, heat_map, titled};
-pub use landscape::{Corner, Landscape, Lean, standing};
+pub use landscape::{Corner, Landscape, Lean, risen, standing};
 use mesh::{Bench, Pin};
 pub use sheet::polygons;
 
@@ -86,10 +87,13 @@ pub fn around(data: Relief<'_>, area: Rect, style: ChartStyle) -> Around {
 
 /// What stands behind `surface` as the eye sees it, ground and axes, and before it, the costs at its pins.
 fn stand(surface: &Surface, (screen, eye): (Screen, Vec3), is_tight: bool, theme: Theme) -> [Canvas; 2] {
-    let mut stand = Stand { screen, bench: Bench::new(surface), eye, theme, is_tight, taken: Vec::new() };
+    let (bench, axes) = (Bench::new(surface), surface.axes);
+    let mut stand = Stand { screen, bench, axes, eye, theme, is_tight, taken: Vec::new() };
     let (mut below, mut above) = (Canvas::default(), Canvas::default());
     stand.ground(&mut below);
-    stand.costs(&mut below, surface);
+    stand.costs((&mut below, &mut above), surface);
+    stand.level(&mut above, surface);
+    stand.trail(&mut above, surface);
     stand.pins(&mut above, surface);
     [below, above]
 }
@@ -106,6 +110,7 @@ pub fn draw(data: Relief<'_>, area: Rect, style: ChartStyle) -> Drawing<Screen> 
 struct Stand {
     screen: Screen,
     bench: Bench,
+    axes: Axes,
     eye: Vec3,
     theme: Theme,
     /// Whether there is room for few words only.
@@ -137,8 +142,12 @@ impl Stand {
         self.write(canvas, style.line(at, (Anchor::Middle, Level::Middle), text));
     }
 
-    /// Writes a word unless it would lie on another.
-    fn write(&mut self, canvas: &mut Canvas, line: Line) {
+    /// Writes a word unless it would lie on another, moved so that no edge of the pane cuts it.
+    fn write(&mut self, canvas: &mut Canvas, mut line: Line) {
+        let (rect, pane) = (covered(&line), self.screen.rect);
+        for i in 0..2 {
+            line.at[i] += (pane.min[i] + 2.0 - rect.min[i]).max(0.0) - (rect.max[i] + 2.0 - pane.max[i]).max(0.0);
+        }
         let rect = covered(&line);
         if !self.taken.iter().any(|other| other.meets(&rect)) {
             self.taken.push(rect);
@@ -148,10 +157,10 @@ impl Stand {
 
     /// The values along u or v as an axis of the world.
     fn axis(&self, which: usize) -> Axis {
-        let first = self.bench.origin[which] as f32;
         let half = self.bench.half()[which];
-        let last = first + self.bench.size[which].saturating_sub(1) as f32;
-        Axis::new([first, last], [-half, half])
+        let last = self.bench.size.map(|side| side.saturating_sub(1));
+        let ends = [[0; 2], last].map(|cell| self.axes.at(self.bench.displacement(cell))[which]);
+        Axis::new(ends, [-half, half])
     }
 
     /// A grid on the ground, numbered along the two sides towards the eye.
@@ -162,8 +171,9 @@ impl Stand {
         let small = self.theme.sizes().small;
         // Their names come before the numbers, which give way.
         let out = if self.is_tight { 0.9 } else { 2.3 };
-        self.word(canvas, (Vec3::new(0.0, 0.0, near_v), out), "u, px", Face::Italic);
-        self.word(canvas, (Vec3::new(near_u, 0.0, 0.0), out), "v, px", Face::Italic);
+        let [along_u, along_v] = self.axes.names;
+        self.word(canvas, (Vec3::new(0.0, 0.0, near_v), out), along_u, Face::Italic);
+        self.word(canvas, (Vec3::new(near_u, 0.0, 0.0), out), along_v, Face::Italic);
         for which in 0..2 {
             let axis = self.axis(which);
             let (along, across) = if which == 0 { (half_u, half_v) } else { (half_v, half_u) };
@@ -173,7 +183,11 @@ impl Stand {
             let length = (to[0] - from[0]).hypot(to[1] - from[1]);
             // Ticks as far apart as their numbers need.
             let on_sheet = Axis { places: [0.0, length], ..axis };
-            for tick in on_sheet.displacement_ticks(3.0 * small) {
+            let ticks = match self.axes == Axes::DISPLACEMENTS {
+                true => on_sheet.displacement_ticks(3.0 * small),
+                false => two_at_least(&on_sheet, 3.0 * small),
+            };
+            for tick in ticks {
                 let a = axis.place(tick);
                 self.line(canvas, [point(a, -across), point(a, across)], false);
                 self.word(canvas, (point(a, near), 0.9), &number(tick), Face::Sans);
@@ -185,7 +199,7 @@ impl Stand {
     }
 
     /// The axis of costs, at the corner of the ground that is furthest left.
-    fn costs(&mut self, canvas: &mut Canvas, surface: &Surface) {
+    fn costs(&mut self, (canvas, above): (&mut Canvas, &mut Canvas), surface: &Surface) {
         let [u, v] = self.bench.half();
         let corners = [[-u, -v], [u, -v], [u, v], [-u, v]].map(|[x, z]| Vec3::new(x, 0.0, z));
         let left = |a: &Vec3, b: &Vec3| self.at(*a)[0].total_cmp(&self.at(*b)[0]);
@@ -197,7 +211,7 @@ impl Stand {
         let axis = Axis::new([self.bench.bottom, self.bench.top], [0.0, (low[0] - high[0]).hypot(low[1] - high[1])]);
         let dim = Type::dim(self.theme);
         if surface.range().is_some() {
-            let ticks = axis.ticks(2.2 * small, 0.0);
+            let ticks = two_at_least(&axis, 2.2 * small);
             for (tick, words) in ticks.iter().zip(labels(&ticks)) {
                 let [x, y] = self.at(foot + Vec3::Y * self.bench.height(*tick));
                 canvas.across([x - 4.0, x], y, dim.color);
@@ -208,10 +222,17 @@ impl Stand {
             return;
         }
         // Left of the corner: the cost of a pin may stand above it.
-        let name = [high[0] - 4.0, high[1] - 0.9 * small];
+        let style = Type::text(self.theme);
+        let with_unit = format!("{}, {}", surface.title, surface.unit);
+        let has_room = style.width(&with_unit) < self.screen.rect.size()[0] - 8.0;
+        let words = if surface.unit.is_empty() || !has_room { surface.title } else { &with_unit };
+        let right = (high[0] - 4.0).max(self.screen.rect.min[0] + style.width(words) + 4.0);
+        let name = [right, high[1] - 0.9 * small];
         // The heading names the cost as well.
         if !self.has_pin_near(surface, name) {
-            canvas.text(name, (Anchor::End, Level::Bottom), surface.title, Type::text(self.theme));
+            let mut line = style.line(name, (Anchor::End, Level::Bottom), words);
+            line.halo = Some(self.theme.chrome().background);
+            above.add(Primitive::Text(line));
         }
     }
 
@@ -219,22 +240,54 @@ impl Stand {
     fn has_pin_near(&self, surface: &Surface, at: Point) -> bool {
         let small = self.theme.sizes().small;
         let start = at[0] - 0.6 * small * surface.title.chars().count() as f32;
-        mesh::pins(surface, &self.bench).into_iter().any(|Pin { at: displacement, cost, top, .. }| {
+        mesh::pins(surface, &self.bench).into_iter().any(|pin| {
+            let Pin { at: displacement, cost, top, .. } = pin;
             let [x, y] = self.at(Vec3 { y: top, ..self.bench.place(displacement, cost) });
             // The number may stand on either side of its pin.
-            let width = 0.6 * small * number(cost).chars().count() as f32;
+            let width = 0.6 * small * pin.words().chars().count() as f32;
             let is_beside = x + width > start && x - width < at[0] - 0.5 * small;
             is_beside && (y - 3.0 - at[1]).abs() < 0.9 * small
         })
     }
 
-    /// The cost at the top of each pin.
+    /// Where the surface has the value of its contour, if it has one.
+    fn level(&self, canvas: &mut Canvas, surface: &Surface) {
+        let Some(level) = surface.contour else { return };
+        let (ink, color) = (self.theme.ink(Role::Best), self.theme.stroke(Role::Best));
+        for ends in surface.contour_lines(level) {
+            let points = ends.map(|at| self.at(self.bench.place(at, level))).to_vec();
+            canvas.line(points.clone(), false, solid(2.0 * ink.halo_width + ink.width, ink.halo));
+            canvas.line(points, false, solid(ink.width, color));
+        }
+    }
+
+    /// The path of an iteration over the surface, and what was tested between its cells.
+    fn trail(&self, canvas: &mut Canvas, surface: &Surface) {
+        let at_cost = |at: [f32; 2], cost: f32| self.at(self.bench.place(at, cost));
+        let seen = |at: [f32; 2]| Some(at_cost(at, surface.interpolated(at)?));
+        let (ink, color) = (self.theme.ink(Role::Candidate), self.theme.stroke(Role::Candidate));
+        let line = |ends: &[[f32; 2]]| line_over(ends[0], ends[1]).map_while(seen).collect::<Vec<_>>();
+        for points in surface.trail.windows(2).map(line).filter(|points| points.len() > 1) {
+            canvas.line(points.clone(), false, solid(2.0 * ink.halo_width + ink.width.min(2.0), ink.halo));
+            canvas.line(points, false, solid(ink.width.min(2.0), color));
+        }
+        let known = surface.between.iter().filter(|between| between.value.is_finite());
+        let between = known.map(|between| (at_cost(between.at, between.value), 1.5));
+        let stops = surface.trail.iter().filter_map(|at| Some((seen(*at)?, 3.5)));
+        for (at, radius) in between.chain(stops) {
+            canvas.disc(at, radius + 1.0, ink.halo);
+            canvas.disc(at, radius, color);
+        }
+    }
+
+    /// The cost at the top of each pin, or its name.
     fn pins(&self, canvas: &mut Canvas, surface: &Surface) {
         let all: Vec<_> = mesh::pins(surface, &self.bench)
             .into_iter()
-            .map(|Pin { role, at, cost, top }| {
+            .map(|pin| {
+                let (words, Pin { role, at, cost, top, .. }) = (pin.words(), pin);
                 let foot = self.bench.place(at, cost);
-                (role, cost, [foot, Vec3 { y: top, ..foot }].map(|end| self.at(end)))
+                (role, words, [foot, Vec3 { y: top, ..foot }].map(|end| self.at(end)))
             })
             .collect();
         for &(role, _, [low, high]) in &all {
@@ -245,7 +298,15 @@ impl Stand {
             canvas.disc(low, 4.0, color);
         }
         let style = Type::text(self.theme).face(Face::Bold);
-        for &(role, cost, [_, head]) in &all {
+        let mut written: Vec<Rect> = Vec::new();
+        let is_said_twice = |index: usize| {
+            let (_, words, [foot, _]) = &all[index];
+            all[index + 1..].iter().any(|(_, other, [there, _])| other == words && there == foot)
+        };
+        for (index, &(role, ref words, [_, head])) in all.iter().enumerate() {
+            if is_said_twice(index) {
+                continue;
+            }
             // Of two numbers each stands on its own side.
             let anchor = match all.iter().find(|other| other.0 != role).map(|(.., ends)| head[0] < ends[1][0]) {
                 None => Anchor::Middle,
@@ -253,13 +314,41 @@ impl Stand {
                 Some(false) => Anchor::Start,
             };
             let at = [head[0], head[1] - 3.0];
-            let line = style.color(self.theme.word(role)).line(at, (anchor, Level::Bottom), &number(cost));
+            let mut line = style.color(self.theme.word(role)).line(at, (anchor, Level::Bottom), words);
+            let (Rect { min: [left, _], max: [right, _] }, pane) = (covered(&line), self.screen.rect);
+            line.at[0] += (pane.min[0] + 4.0 - left).max(0.0) - (right + 4.0 - pane.max[0]).max(0.0);
+            // Where it would lie on others, it stands above them.
+            written.sort_by(|a, b| b.max[1].total_cmp(&a.max[1]));
+            for other in &written {
+                let rect = covered(&line);
+                if other.meets(&rect) {
+                    line.at[1] += other.min[1] - 1.0 - rect.max[1];
+                }
+            }
+            // None is cut at the top.
+            line.at[1] += (self.screen.rect.min[1] + 2.0 - covered(&line).min[1]).max(0.0);
             let Rect { min, max } = covered(&line);
             let back = Rect { min: [min[0] - 4.0, min[1]], max: [max[0] + 4.0, max[1]] };
+            written.push(back);
             canvas.fill(back, self.theme.chrome().panel.alpha(200));
             canvas.add(Primitive::Text(line));
         }
     }
+}
+
+/// Ticks `spacing` points apart, or closer where there would be one alone: it does not tell how much lies above it.
+fn two_at_least(axis: &Axis, spacing: f32) -> Vec<f32> {
+    let ticks = |share: f32| axis.ticks(share * spacing, 0.0);
+    [1.0, 0.65].into_iter().map(ticks).find(|ticks| ticks.len() > 1).unwrap_or_else(|| ticks(0.4))
+}
+
+/// Places along a straight line, close enough to follow a surface.
+fn line_over(from: [f32; 2], to: [f32; 2]) -> impl Iterator<Item = [f32; 2]> {
+    const PARTS: usize = 16;
+    (0..=PARTS).map(move |i| {
+        let share = i as f32 / PARTS as f32;
+        [0, 1].map(|k| from[k] + share * (to[k] - from[k]))
+    })
 }
 
 #[cfg(test)]

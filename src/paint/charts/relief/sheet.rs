@@ -169,7 +169,7 @@ const PIECES: usize = 24;
 fn pins(surface: &Surface, sheet: &Sheet<'_>) -> Vec<Item> {
     let bench = Bench::new(surface);
     let theme = sheet.style.theme;
-    let all = mesh::pins(surface, &bench).into_iter().map(|Pin { role, at, cost, top }| {
+    let all = mesh::pins(surface, &bench).into_iter().map(|Pin { role, at, cost, top, .. }| {
         (theme.stroke(role), bench.place(at, cost), top, mesh::pin_radii(role, theme))
     });
     let item = |depth: f32, primitive: Primitive| Item {

@@ -334,7 +334,7 @@ impl Command {
                 Menu::View,
                 Icon::Mountain,
                 "Landscape",
-                "Lean the picture back: the costs of the candidates rise from it. Drag to turn, scroll to zoom, double-click to return; a click goes to the step of a candidate.",
+                "Lean the picture back: what the method climbs or descends rises from it. Drag to turn, scroll to zoom, double-click to return; a click goes to the step of a candidate.",
                 const { &[key(Key::P)] },
             ),
             C::Lecture => (

@@ -154,6 +154,9 @@ fn fingerprint(surface: &Surface, (theme, colors): (Theme, ColorMap)) -> u64 {
     use std::hash::{DefaultHasher, Hash, Hasher};
     let mut hasher = DefaultHasher::new();
     (surface.values.size(), surface.origin, surface.probe, surface.best, theme, colors.name()).hash(&mut hasher);
+    for (_, role, at) in &surface.named {
+        (role, at.map(f32::to_bits)).hash(&mut hasher);
+    }
     for costs in std::iter::once(&surface.values).chain(surface.faint()) {
         bytemuck::cast_slice::<f32, u8>(costs.cells()).hash(&mut hasher);
     }

@@ -9,7 +9,7 @@ use crate::methods::differential::{
 };
 use crate::run::Seen;
 use crate::scene::{
-    Constraint, Fact, Math, Picture, Plane, PlaneCost, Readout, Role, Scene, Sentence, Shape, Spread, Step,
+    Constraint, Fact, Footing, Math, Picture, Plane, PlaneCost, Readout, Role, Scene, Sentence, Shape, Spread, Step,
     arrow_spacing,
 };
 
@@ -28,7 +28,7 @@ impl Probe<'_> {
     }
 }
 
-/// So many times the threshold, the smaller eigenvalue exceeds it clearly.
+/// How many times the threshold the smaller eigenvalue must be to exceed it clearly.
 const CLEAR: f32 = 2.0;
 
 fn px(uv: [f32; 2]) -> String {
@@ -236,7 +236,7 @@ impl LucasKanade {
         let reach = explain::reach(points.iter().map(|(.., point)| *point).chain([start]));
         let plane = Plane {
             groups: Vec::new(),
-            title: "Squared difference of the window, and its constraint lines",
+            title: "Mean squared difference and constraint lines",
             unit: "px".into(),
             center: [0.0; 2],
             reach,
@@ -277,6 +277,7 @@ impl LucasKanade {
             pixels.iter().map(squared).sum::<f32>() / total
         };
         PlaneCost::sampled(explain::SQUARED_DIFFERENCE, ([0.0; 2], reach), pixels.len(), cost)
+            .on(Footing::new(Picture::CURRENT, [x as f32, y as f32]))
     }
 
     /// Returns the number of pixels of a window that lead out of frame t + 1, and their number in frame t.

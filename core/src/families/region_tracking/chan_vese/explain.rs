@@ -9,7 +9,7 @@ use crate::geometry::Grid;
 use crate::methods::contour::explain::area;
 use crate::methods::numbers::{gray, ratio};
 use crate::methods::region::{At, Ending, Explained, Outcome};
-use crate::scene::{Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Tile};
+use crate::scene::{Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Surface, Tile};
 
 /// The values of φ that a tile shows black and white, in px.
 const RANGE_PX: f32 = 10.0;
@@ -55,19 +55,18 @@ impl Explained for ChanVese {
     }
 
     fn readouts(&self, at: &At<'_, Self>) -> Vec<Readout> {
-        match at.event {
-            Event::Started(field, phi) => {
-                vec![Readout::Equation(vec![formula_of_energy()]), Readout::Tiles(tiles(field, phi))]
+        let formula = || Readout::Equation(vec![formula_of_energy()]);
+        let (field, phi, around) = match at.event {
+            Event::Started(field, phi) => (field, phi, [Some(formula()), None]),
+            Event::Iterated(iteration) => {
+                let equation = Readout::Equation(vec![formula_of_energy(), numbers(&iteration.energy)]);
+                (&iteration.field, &iteration.phi[1], [Some(equation), Some(self.energies(at))])
             }
-            Event::Iterated(iteration) => vec![
-                Readout::Equation(vec![formula_of_energy(), numbers(&iteration.energy)]),
-                Readout::Tiles(tiles(&iteration.field, &iteration.phi[1])),
-                self.energies(at),
-            ],
-            Event::Judged(judged) => {
-                vec![Readout::Tiles(tiles(&judged.field, &judged.phi)), self.energies(at)]
-            }
-        }
+            Event::Judged(judged) => (&judged.field, &judged.phi, [None, Some(self.energies(at))]),
+        };
+        let [equation, energies] = around;
+        let levels = [Readout::Tiles(tiles(field, phi)), Readout::Landscape(level_set(field, phi))];
+        equation.into_iter().chain(levels).chain(energies).collect()
     }
 
     fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
@@ -126,13 +125,15 @@ impl Explained for ChanVese {
 
 impl ChanVese {
     fn iterated(&self, iteration: &Iteration, said: Sentence) -> Sentence {
-        let [inside, outside] = iteration.means.map(|mean| gray(iteration.field.gray(mean)));
+        let [inside, outside] = iteration.means.map(ratio_of);
+        let [inside_gray, outside_gray] = iteration.means.map(|mean| gray(iteration.field.gray(mean)));
         let said = said
             .text(format!("Iteration {}: the means are ", iteration.number))
             .ink(Role::Best, format!("c₁ = {inside}"))
             .text(" inside and ")
             .ink(Role::Window, format!("c₂ = {outside}"))
-            .text(" outside. φ rises where the gray level is nearer to c₁, falls where it is nearer to c₂, and ")
+            .text(format!(" outside, gray levels {inside_gray} and {outside_gray}"))
+            .text(". φ rises where the gray level is nearer to c₁, falls where it is nearer to c₂, and ")
             .ink(Role::Candidate, counted(iteration.changed, "pixel"))
             .text(format!(" changed sides; the total energy is now {}.", ratio(iteration.energy.total())));
         if iteration.is_still {
@@ -204,8 +205,26 @@ impl ChanVese {
     }
 }
 
+/// φ over the picture, with the contour where it is 0.
+fn level_set(field: &Field, phi: &Grid<f32>) -> Surface {
+    /// Most cells along a side.
+    const MOST: usize = 48;
+    let (width, height) = phi.size();
+    let step = width.max(height).div_ceil(MOST);
+    let values = Grid::from_fn(width.div_ceil(step), height.div_ceil(step), |x, y| phi[(x * step, y * step)]);
+    let middle = [values.width(), values.height()].map(|side| side / 2 * step);
+    let center = [0, 1].map(|i| (field.origin[i] + middle[i]) as f32);
+    let surface = Surface::over_picture(("φ", "px"), (Picture::CURRENT, center, step as f32), values);
+    Surface { is_similarity: true, contour: Some(0.0), ..surface }
+}
+
+/// A scaled gray level as text.
+fn ratio_of(level: f32) -> String {
+    ratio(level.into())
+}
+
 fn means_facts(field: &Field, means: [f32; 2]) -> [Fact; 2] {
-    let [inside, outside] = means.map(|mean| gray(field.gray(mean)));
+    let [inside, outside] = means.map(|mean| format!("{} (gray level {})", ratio_of(mean), gray(field.gray(mean))));
     [Fact::new("Mean inside c₁", inside, Some(Role::Best)), Fact::new("Mean outside c₂", outside, Some(Role::Window))]
 }
 

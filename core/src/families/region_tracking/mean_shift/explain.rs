@@ -8,7 +8,7 @@ use crate::methods::numbers::{px, ratio};
 use crate::methods::region::color::{Histogram, ellipse_rows};
 use crate::methods::region::{At, Ending, Explained, Outcome, plots};
 use crate::products::Region;
-use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape};
+use crate::scene::{Arrow, Fact, Math, Picture, PlaneCost, Readout, Role, Scene, Sentence, Series, Shape, Surface};
 
 /// The sizes of a frame in words.
 const SIZES: [&str; 3] = ["present size", "size 10 % smaller", "size 10 % larger"];
@@ -301,9 +301,10 @@ fn of_shift(at: &At<'_, MeanShift>, frame: &Frame, shift: &Shift, is_shift: bool
     let Some(model) = at.model.map(|model| &model.histogram) else { return Vec::new() };
     let mut search = Search::new(model, frame);
     search.weigh(shift.from);
-    let candidate = Histogram::new(model.binning, search.candidate);
+    let candidate = Histogram::new(model.binning, search.candidate.clone());
     let lines = [("model q", Role::Reference, &**model), ("candidate p", Role::Candidate, &candidate)];
     let mut readouts = vec![Readout::Equation(if is_shift { mean_of(shift) } else { weight_of(shift) })];
+    readouts.push(Readout::Landscape(hill(at, (search, shift), is_shift)));
     readouts.push(Readout::Series(histograms(model, &lines)));
     let values: Vec<_> = (1..=shift.iteration)
         .filter_map(|i| last(at, shift.trial, i).or((i == shift.iteration).then_some(shift)))
@@ -321,6 +322,24 @@ fn of_shift(at: &At<'_, MeanShift>, frame: &Frame, shift: &Shift, is_shift: bool
         }));
     }
     readouts
+}
+
+/// The Bhattacharyya coefficient of ellipses of one size around the first place of a trial, with the shifts on it.
+fn hill(at: &At<'_, MeanShift>, (mut search, shift): (Search<'_>, &Shift), is_shift: bool) -> Surface {
+    let first = last(at, shift.trial, 1).map_or(shift.from, |first| first.from);
+    let [width, height] = first.size;
+    let coefficient = |center: [f32; 2]| {
+        let coefficient = search.weigh(first.at(center));
+        // Outside the picture there are no pixels to compare.
+        if search.candidate.iter().any(|share| *share > 0.0) { coefficient } else { f32::NAN }
+    };
+    let square = (Picture::CURRENT, first.center, width.max(height) / 2.0);
+    let side = PlaneCost::cells((width * height) as usize);
+    let surface = Surface::sampled_over_picture(("ρ", ""), square, side, coefficient);
+    let before = (1..shift.iteration).filter_map(|i| last(at, shift.trial, i)).map(|shift| shift.from.center);
+    let places = before.chain([shift.from.center]).chain(shift.to.filter(|_| is_shift));
+    let trail = places.map(|place| surface.axes.displacement(place)).collect();
+    Surface { is_similarity: true, trail, ..surface }
 }
 
 /// The weight of a pixel, and the coefficient.

@@ -1,14 +1,15 @@
 //! The explanation and the drawing of the particle filter.
 
-use super::cloud::{Estimate, Particle, parts};
+use super::cloud::{Estimate, Particle, effective, parts};
 use super::wheel::wheel;
 use super::{Event, ParticleFilter, Resampled, Resampling, Weighed};
 use crate::base::words::{counted, fixed, grouped, place};
+use crate::geometry::Grid;
 use crate::methods::kalman;
 use crate::methods::numbers::{px, ratio};
 use crate::methods::region::{At, Ending, Explained, Outcome, plots};
 use crate::products::Region;
-use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape};
+use crate::scene::{Arrow, BetweenPixels, Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Surface};
 
 /// The most particles that are drawn with their weights.
 const CIRCLES: usize = 400;
@@ -134,7 +135,7 @@ impl Explained for ParticleFilter {
                     vec![("model q", Role::Reference, line)],
                 ))];
             }
-            Event::Scattered(_) => return Vec::new(),
+            Event::Scattered(_) => Vec::new(),
             Event::Predicted(_) => vec![equation(vec![
                 Math::Bold("x"),
                 Math::text(" ← "),
@@ -194,6 +195,7 @@ impl Explained for ParticleFilter {
             }
         };
         readouts.extend(self.sizes(at));
+        readouts.extend(particles(at.event).map(|particles| Readout::Landscape(density(particles))));
         readouts
     }
 
@@ -403,6 +405,65 @@ fn cumulative(resampled: &Resampled) -> Series {
     plots::histograms("Cumulative weights", ["particle, by weight", "sum of w"], lines)
 }
 
+/// The particles of an event, with their weights.
+fn particles(event: &Event) -> Option<&[Particle]> {
+    match event {
+        Event::Modelled(_) => None,
+        Event::Scattered(particles)
+        | Event::Predicted(particles)
+        | Event::Counted(particles, _)
+        | Event::Estimated(particles, _) => Some(particles),
+        Event::Weighed(weighed) => Some(&weighed.particles),
+        Event::Resampled(resampled) => Some(&resampled.after),
+    }
+}
+
+/// The density that the particles stand for, by normal kernels of the bandwidths of D. W. Scott, Multivariate Density Estimation (1992),
+/// for the effective sample size: σ n^(−1/6) along x and along y.
+fn density(particles: &[Particle]) -> Surface {
+    /// Cells along a side.
+    const SIDE: usize = 41;
+    /// How far the surface reaches, in standard deviations.
+    const REACH: f32 = 3.5;
+    let Estimate { at: center, covariance, .. } = Estimate::of(particles, &[]);
+    let sigma = [0, 1].map(|i| covariance[i][i].max(0.0).sqrt() as f32);
+    let reach = REACH * sigma[0].max(sigma[1]).max(1.0);
+    let step = 2.0 * reach / SIDE as f32;
+    // No narrower than a cell, or it would fall between them.
+    let bandwidth = sigma.map(|sigma| (sigma * effective(particles).powf(-1.0 / 6.0)).max(step));
+    let normal = |from: f32, i: usize| {
+        let share = from / bandwidth[i];
+        (-0.5 * share * share).exp() / (bandwidth[i] * std::f32::consts::TAU.sqrt())
+    };
+    let mut values = Grid::new(SIDE, SIDE, 0.0f32);
+    for particle in particles {
+        let along = |i: usize| -> [f32; SIDE] {
+            std::array::from_fn(|cell| {
+                let place = center[i] + step * (cell as f32 - (SIDE / 2) as f32);
+                normal(place - particle.at[i], i)
+            })
+        };
+        let (columns, rows) = (along(0), along(1));
+        for (cells, down) in values.cells_mut().chunks_exact_mut(SIDE).zip(rows) {
+            cells.iter_mut().zip(columns).for_each(|(cell, across)| *cell += particle.weight * down * across);
+        }
+    }
+    let surface = Surface::over_picture(("density", "px⁻²"), (Picture::CURRENT, center, step), values);
+    let on_it = |particle: &&Particle| {
+        let at = surface.axes.displacement(particle.at);
+        surface.interpolated(at).map(|value| BetweenPixels { at, value })
+    };
+    let between = by_weight(particles).iter().take(CIRCLES).filter_map(on_it).collect();
+    Surface { is_similarity: true, between, ..surface }
+}
+
+/// The particles, the heaviest first.
+fn by_weight(particles: &[Particle]) -> Vec<&Particle> {
+    let mut order: Vec<&Particle> = particles.iter().collect();
+    order.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+    order
+}
+
 /// Draws particles as points.
 fn dots(scene: &mut Scene, (role, meaning): (Role, &'static str), particles: &[Particle]) {
     let places = particles.iter().map(|particle| particle.at).collect();
@@ -421,8 +482,7 @@ fn moves(scene: &mut Scene, at: &At<'_, ParticleFilter>, particles: &[Particle])
 
 /// Draws particles as circles whose areas are their weights, the lightest of very many as points.
 fn circles(scene: &mut Scene, particles: &[Particle]) {
-    let mut order: Vec<&Particle> = particles.iter().collect();
-    order.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+    let order = by_weight(particles);
     let (heavy, light) = order.split_at(CIRCLES.min(order.len()));
     if !light.is_empty() {
         let places = light.iter().map(|particle| particle.at).collect();
@@ -441,6 +501,28 @@ fn circles(scene: &mut Scene, particles: &[Particle]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_density_sums_to_one_and_is_highest_where_the_particles_are() {
+        let particle = |i: usize| {
+            let (x, y) = ((i % 20) as f32, (i / 20) as f32);
+            // Twice as many at the left.
+            Particle {
+                at: [40.0 + if i.is_multiple_of(3) { 9.0 } else { 0.0 } + 0.1 * x, 30.0 + 0.2 * y],
+                weight: 1.0 / 400.0,
+                velocity: [0.0; 2],
+                scale: 1.0,
+            }
+        };
+        let particles: Vec<_> = (0..400).map(particle).collect();
+        let surface = density(&particles);
+        let cell = surface.axes.step * surface.axes.step;
+        let sum: f32 = surface.values.cells().iter().map(|value| value * cell).sum();
+        assert!((sum - 1.0).abs() < 0.02, "{sum}");
+        let (_, at) = surface.optimum().expect("it is known");
+        let [x, _] = surface.axes.at(at[0].map(|c| c as f32));
+        assert!((40.0..43.0).contains(&x), "{x}");
+    }
 
     #[test]
     fn large_factors_are_powers_of_ten() {

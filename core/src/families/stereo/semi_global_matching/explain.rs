@@ -12,7 +12,9 @@ use crate::methods::stereo::{
     BITS, Curve, Pair, Verdict, concluded, depth, disparity_px, draw_map, draw_match, smallest, starting, true_at,
 };
 use crate::run::Seen;
-use crate::scene::{Canvas, Fact, Math, Picture, PictureRole, Readout, Role, Scene, Sentence, Shape, Step};
+use crate::scene::{
+    Axes, Canvas, Fact, Math, Picture, PictureRole, Readout, Role, Scene, Sentence, Shape, Step, Surface,
+};
 
 /// The cut through the cost volume along a row.
 const SLICE: Picture = Picture { role: PictureRole::Slice, ..Picture::CURRENT };
@@ -149,6 +151,7 @@ impl SemiGlobalMatching {
             let conclusion = concluded(&after.fixed.views, &self.settings, &after.kept);
             step.sentence = step.sentence.text(conclusion);
         }
+        step.readouts.push(Readout::Landscape(self.canyon(&shown)));
         step
     }
 
@@ -378,8 +381,16 @@ impl SemiGlobalMatching {
         }
     }
 
-    /// The cut through the volume along the row of the pixel: x to the right, d down, low costs bright; the sums so far, else the costs.
+    /// The cut through the volume along the row of the pixel: x to the right, d down, low costs bright.
     fn slice(&self, shown: &Shown) -> Arc<Grid<u8>> {
+        let (values, paths) = self.row(shown);
+        let most = BITS.max(paths * (BITS + u32::from(self.penalties()[1])) / 2);
+        Arc::new(values.map(|value| 255 - (255 * (*value).min(most) / most) as u8))
+    }
+
+    /// The costs along the row of the pixel, x to the right and d down: the sums so far and of how many paths they are, else the matching
+    /// costs.
+    fn row(&self, shown: &Shown) -> (Grid<u32>, u32) {
         let (fixed, y) = (&shown.before.fixed, shown.pixel.1);
         let (width, depth) = (fixed.views.size().0, fixed.depth);
         let paths = (shown.state.done.min(self.directions().len() + 1) as u32).saturating_sub(1);
@@ -390,8 +401,34 @@ impl SemiGlobalMatching {
             self.cost_row(fixed, y, &mut row);
             row.into_iter().map(u32::from).collect()
         };
-        let most = BITS.max(paths * (BITS + u32::from(self.penalties()[1])) / 2);
-        let shade = |x: usize, d: usize| 255 - (255 * values[x * depth + d].min(most) / most) as u8;
-        Arc::new(Grid::from_fn(width, self.settings.disparities, shade))
+        (Grid::from_fn(width, self.settings.disparities, |x, d| values[x * depth + d]), paths)
+    }
+
+    /// The costs around the pixel on that cut as a canyon, with the disparities of least cost along its bed.
+    fn canyon(&self, shown: &Shown) -> Surface {
+        /// How far it reaches to each side, in px.
+        const REACH: usize = 24;
+        let (row, paths) = self.row(shown);
+        let (x, (width, depth)) = (shown.pixel.0, row.size());
+        let (left, right) = (x.saturating_sub(REACH), (x + REACH).min(width - 1));
+        // Beyond the border of the other view there is no match.
+        let cost = |x: usize, d: usize| if d <= self.last(x) { row[(x, d)] as f32 } else { f32::NAN };
+        let values = Grid::from_fn(right - left + 1, depth, |i, d| cost(left + i, d));
+        let center = [(left + values.width() / 2) as f32, (depth / 2) as f32];
+        let title = match shown.stage {
+            _ if paths == 0 => "cost C(p, d)",
+            Stage::Path(_) => "sum of the finished paths",
+            _ => "sum S(p, d)",
+        };
+        let surface = Surface::over_picture((title, "bits"), (SLICE, center, 1.0), values);
+        let least = |x: usize| smallest(&(0..=self.last(x)).map(|d| row[(x, d)]).collect::<Vec<_>>()).at;
+        let bed = (left..=right).map(|x| surface.axes.displacement([x as f32, least(x) as f32]));
+        let best = surface.axes.displacement([x as f32, least(x) as f32]).map(|c| c as i32);
+        Surface {
+            axes: Axes { names: ["x, px", "d, px"], ..surface.axes },
+            trail: bed.collect(),
+            probe: Some(best),
+            ..surface
+        }
     }
 }
