@@ -462,6 +462,11 @@ fn the_tip_of_the_full_screen_lies_on_no_picture() {
     let crosses: Vec<Rect> = window.harness.query_all_by_label("Close message").map(|node| node.rect()).collect();
     assert_eq!(crosses.len(), 1, "what introduces the window goes");
     assert!(!pictures.intersects(crosses[0]), "{:?} on {pictures:?}", crosses[0]);
+    layout::close_messages(&mut window);
+    for _ in 0..2 {
+        window.command(Command::Present);
+    }
+    assert_eq!(window.harness.query_all_by_label("Close message").count(), 0, "it is told once");
 }
 
 /// A window at a page of a lesson that has notes.

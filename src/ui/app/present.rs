@@ -48,6 +48,8 @@ pub struct Presentation {
     pub is_on: bool,
     /// Whether that screen is black.
     pub is_blank: bool,
+    /// Whether the keys of that screen have been told.
+    pub has_hinted: bool,
     /// The presenter's window, while it is open.
     pub presenter: Option<Presenter>,
 }
@@ -115,7 +117,9 @@ impl App {
             self.toasts.end_introductions();
             // While results are asked about, digits count hands.
             let digits = if self.predict.is_on() { "" } else { "1 to 5 choose the chart. " };
-            self.toasts.hint(format!("{digits}Esc shows the menus again."));
+            if !std::mem::replace(&mut self.presentation.has_hinted, true) {
+                self.toasts.hint(format!("{digits}Esc shows the menus again."));
+            }
         }
     }
 

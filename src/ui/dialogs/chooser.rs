@@ -397,8 +397,10 @@ impl List<'_> {
         let id = ui.scope_id().with(("estimator", index));
         let response = entry_card::show(ui, rect, id, &card);
         if is_lit && self.state.is_moved {
-            // With the heading above it.
-            let above = Rect::from_min_max(pos2(rect.min.x, rect.min.y - row), rect.max);
+            // With the headings of its group and its part above it.
+            let headings = if reason.is_empty() { 1 } else { 2 } * HEADING;
+            let above =
+                Rect::from_min_max(pos2(rect.min.x, rect.min.y - (headings as f32 + 1.0) * row / 2.0), rect.max);
             ui.scroll_to_rect(above, None);
         }
         if response.hovered() {
