@@ -51,6 +51,15 @@ fn window(picture: &str, pixels_per_point: f32) -> Harness<'static, App> {
     window
 }
 
+/// Turns the wheel by `points` at a place, and draws the window.
+fn zoom(window: &mut Harness<'static, App>, at: Pos2, points: f32) {
+    window.hover_at(at);
+    let (unit, source, delta) = (MouseWheelUnit::Point, MouseWheelSource::Wheel, vec2(0.0, points));
+    let (phase, modifiers) = (TouchPhase::Move, Modifiers::NONE);
+    window.event(Event::MouseWheel { unit, source, delta, phase, modifiers });
+    window.step();
+}
+
 fn frame(c: &mut Criterion) {
     let is_there = |window: &Harness<'static, App>| {
         let shown = window.state().view().shown.as_deref();
@@ -75,11 +84,7 @@ fn frame(c: &mut Criterion) {
     c.bench_function("a frame of the window over a dense flow, 1080p, while it is zoomed", |b| {
         b.iter(|| {
             way = -way;
-            window.hover_at(Pos2::new(900.0, 400.0));
-            let (unit, source, delta) = (MouseWheelUnit::Point, MouseWheelSource::Wheel, vec2(0.0, 30.0 * way));
-            let (phase, modifiers) = (TouchPhase::Move, Modifiers::NONE);
-            window.event(Event::MouseWheel { unit, source, delta, phase, modifiers });
-            window.step();
+            zoom(&mut window, Pos2::new(900.0, 400.0), 30.0 * way);
             let shapes = window.output().shapes.clone();
             black_box(window.ctx.tessellate(shapes, 1.0).len())
         });
@@ -130,24 +135,20 @@ fn landscape(c: &mut Criterion) {
     }
     assert!(window.state().settings().look.landscape);
     let mut way = 1.0;
-    let mut zoom = move |window: &mut Harness<'static, App>| {
+    let mut turn = move |window: &mut Harness<'static, App>| {
         way = -way;
-        window.hover_at(Pos2::new(400.0, 350.0));
-        let (unit, source, delta) = (MouseWheelUnit::Point, MouseWheelSource::Wheel, vec2(0.0, 30.0 * way));
-        let (phase, modifiers) = (TouchPhase::Move, Modifiers::NONE);
-        window.event(Event::MouseWheel { unit, source, delta, phase, modifiers });
-        window.step();
+        zoom(window, Pos2::new(400.0, 350.0), 30.0 * way);
     };
     c.bench_function("a frame of a landscape, 720p, while it is zoomed", |b| {
         b.iter(|| {
-            zoom(&mut window);
+            turn(&mut window);
             let shapes = window.output().shapes.clone();
             black_box(window.ctx.tessellate(shapes, 1.0).len())
         });
     });
     c.bench_function("the same, drawn", |b| {
         b.iter(|| {
-            zoom(&mut window);
+            turn(&mut window);
             black_box(window.render().expect("a driver").width())
         });
     });

@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_is_given_up_when_nobody_wants_its_picture() {
+    fn a_run_that_is_stopped_has_no_picture() {
         let stop = Stop::default();
         stop.set(true);
         let given_up = result("horn-schunck", &stop).expect_err("it was to stop");

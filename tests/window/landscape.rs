@@ -37,7 +37,7 @@ pub fn leans(window: &Window) -> bool {
     meshes.max().unwrap_or(0) > LEAST_CORNERS
 }
 
-/// What rises from the picture.
+/// The surface that rises from the picture.
 fn risen(window: &Window) -> Surface {
     let readout = standing(&window.shown().step).expect("something rises");
     readout.landscape().expect("a surface")

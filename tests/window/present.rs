@@ -466,7 +466,7 @@ fn the_tip_of_the_full_screen_lies_on_no_picture() {
     for _ in 0..2 {
         window.command(Command::Present);
     }
-    assert_eq!(window.harness.query_all_by_label("Close message").count(), 0, "it is told once");
+    assert_eq!(window.harness.query_all_by_label("Close message").count(), 0, "the hint is shown once");
 }
 
 /// A window at a page of a lesson that has notes.

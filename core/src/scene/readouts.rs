@@ -535,7 +535,7 @@ impl Surface {
         crossed.collect::<Vec<_>>().chunks_exact(2).map(|ends| [ends[0], ends[1]]).collect()
     }
 
-    /// The costs that nobody has tested, where they are known all the same.
+    /// The costs of candidates that were not tested, where they are known.
     pub fn faint(&self) -> impl Iterator<Item = &Grid<f32>> {
         self.untested.iter().chain(&self.ahead)
     }

@@ -74,7 +74,7 @@ fn quality(row: &Row, reference: &Row) -> Option<String> {
     let known = |column: &Column| [row, reference].map(|of| column.shown(of));
     let is_known = |column: &Column| known(column).iter().any(Option::is_some);
     let may_be_of_both = |column: &Column| [row, reference].iter().all(|of| column.may_be_of(&*of.estimator));
-    // What both could have and only one has is not passed over where the truth is known.
+    // Where the truth is known, a number that both could have and only one has is reported.
     let is_first = |column: &Column| {
         is_known(column) && (!known(column).contains(&None) || column.is_against_truth() && may_be_of_both(column))
     };

@@ -82,7 +82,7 @@ pub(super) fn apart_labels(labels: impl Iterator<Item = Label>) -> impl Iterator
     let mut taken: Vec<Rect> = Vec::new();
     let mut free = |label: &Label, is_needed: bool| {
         let is_free = |at: &&Point| !taken.iter().any(|other| other.meets(&letters(&label.line, **at)));
-        // Nobody can read more, and each is compared with all others.
+        // More could not be read, and each is compared with all others.
         let place = if taken.len() < MOST_LABELS { label.places.iter().find(is_free) } else { None };
         let place = place.or(label.places.first().filter(|_| is_needed)).copied()?;
         taken.push(letters(&label.line, place));

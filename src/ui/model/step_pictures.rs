@@ -52,12 +52,12 @@ impl StepPictures {
         }
         let made = &self.made;
         self.wished.retain(|id| !made.contains_key(id));
-        // What is out of sight does not keep the others waiting.
+        // A picture that has gone out of sight gives way to those in sight.
         self.work.take_if(|(id, _)| !self.wished.contains(id));
-        match self.wished.first() {
-            None => self.work = None,
-            Some(id) if self.work.is_none() => self.work = Some((id, start(id, ctx.clone()))),
-            Some(_) => {}
+        if let Some(id) = self.wished.first()
+            && self.work.is_none()
+        {
+            self.work = Some((id, start(id, ctx.clone())));
         }
         self.wished.clear();
     }

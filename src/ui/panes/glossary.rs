@@ -11,7 +11,7 @@ use crate::paint::{Theme, legend};
 use crate::ui::drawing::chart::rect_from;
 use crate::ui::drawing::{ink, primitives, style};
 
-/// Terms defined per text at most: nobody reads more.
+/// Terms defined per text at most.
 const MOST: usize = 4;
 /// Width of a tooltip, in sizes of its type.
 const WIDTH: f32 = 20.0;

@@ -165,7 +165,7 @@ pub struct Panes<'a> {
     pub animate: bool,
     /// Whether a question is open, whose answer must not be seen.
     pub is_asked: bool,
-    /// Whether questions are asked, so that what a run has yet to work out is not shown.
+    /// Whether questions are asked, so that untested candidates are hidden.
     pub asks: bool,
     /// Whether particles may.
     pub flows: bool,

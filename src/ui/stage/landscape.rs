@@ -34,7 +34,7 @@ pub struct Landscapes {
 struct Shown {
     /// The step whose surface it is, and that surface with all that is known of it.
     of: Option<(Arc<Step>, Surface)>,
-    /// Whether what the run has yet to work out is hidden.
+    /// Whether untested candidates are hidden.
     hides_untested: bool,
     /// The steps of the other estimators whose best stand on it.
     beside: Vec<Arc<Step>>,

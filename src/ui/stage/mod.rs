@@ -68,7 +68,7 @@ pub struct Input<'a> {
     pub scene: &'a Arc<Scene>,
     /// What is told of the step, where an estimator is at work.
     pub step: Option<&'a Arc<Step>>,
-    /// Whether what a run has yet to work out is hidden.
+    /// Whether untested candidates are hidden, as they are while questions are asked.
     pub hides_untested: bool,
     /// Several estimators, if there are.
     pub lockstep: Option<Lockstep<'a>>,

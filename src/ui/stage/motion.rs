@@ -25,7 +25,7 @@ const CORNER_WHEEL: f32 = 72.0;
 const BESIDE: f32 = 4.0;
 /// How much more may move under the wheel than in another corner before it goes there.
 const STAYS: f32 = 0.15;
-/// Axes of a picture that has room for a wheel, in wheels.
+/// Sides of a picture that has room for a wheel, in wheels.
 const ROOM: f32 = 2.5;
 
 /// The button that unfolds the choices.

@@ -343,7 +343,7 @@ fn response<M: Measure>(seen: &Seen<Corners<M>>, (x, y): (usize, usize)) -> Opti
     }
 }
 
-/// The responses around a pixel, as far as they have been computed, compressed as on the map.
+/// The responses computed so far around a pixel, compressed as on the map.
 fn hills<M: Measure>(seen: &Seen<Corners<M>>, place: (usize, usize)) -> Option<Surface> {
     /// How far they reach to each side, in px.
     const REACH: usize = 20;

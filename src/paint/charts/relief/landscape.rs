@@ -38,12 +38,12 @@ const GROWTH: f32 = 1.16;
 /// Where the eye sees anything, as shares of its distance from the target.
 const SEEN: [f32; 2] = [0.05, 40.0];
 
-/// What rises out of a picture at a step.
+/// The readout of a step that can rise out of a picture.
 pub fn standing(step: &Step) -> Option<&Readout> {
     step.readouts.iter().find(|readout| readout.footing().is_some())
 }
 
-/// What rises out of a picture at a step as a surface, with the best of searches `beside` it that search the same terrain.
+/// The surface that rises out of a picture at a step, with the best candidates of the searches `beside` it on the same terrain.
 pub fn risen<'a>(step: &Step, beside: impl Iterator<Item = (&'static str, &'a Step)>) -> Option<Surface> {
     let mut surface = standing(step)?.landscape()?;
     let others = beside.filter_map(|(name, step)| Some((name, standing(step)?.landscape()?)));

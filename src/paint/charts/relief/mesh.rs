@@ -142,7 +142,7 @@ pub fn pins(surface: &Surface, bench: &Bench) -> Vec<Pin> {
 }
 
 impl Pin {
-    /// What is written at it.
+    /// Its label.
     pub fn words(&self) -> String {
         if self.name.is_empty() { number(self.cost) } else { self.name.to_owned() }
     }

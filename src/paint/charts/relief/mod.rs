@@ -261,7 +261,7 @@ impl Stand {
         }
     }
 
-    /// The path of an iteration over the surface, and what was tested between its cells.
+    /// The path of an iteration over the surface, and the candidates tested between its cells.
     fn trail(&self, canvas: &mut Canvas, surface: &Surface) {
         let at_cost = |at: [f32; 2], cost: f32| self.at(self.bench.place(at, cost));
         let seen = |at: [f32; 2]| Some(at_cost(at, surface.interpolated(at)?));

@@ -11,7 +11,7 @@ pub type Vector = [f64; 3];
 /// A place in the picture in px.
 pub type Point = [f64; 2];
 
-/// Axes of the prism that stands for a cylinder.
+/// Sides of the prism that stands for a cylinder.
 const SIDES: usize = 24;
 /// The nearest depth in m that a camera sees.
 const NEAREST_M: f64 = 1e-3;
