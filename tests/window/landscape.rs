@@ -146,6 +146,20 @@ fn a_question_is_not_answered_by_the_landscape() {
 }
 
 #[test]
+fn untested_candidates_are_hidden_while_questions_are_asked() {
+    let mut window = window();
+    window.key(Key::P);
+    let painted = |window: &Window| window.harness.output().shapes.len();
+    let whole = painted(&window);
+    window.command(Command::Predict);
+    assert!(window.app().predict().is_on() && window.app().predict().open().is_none());
+    assert!(leans(&window), "what was tested still rises");
+    assert!(painted(&window) + 100 < whole, "{} of {whole} shapes", painted(&window));
+    window.command(Command::Predict);
+    assert_eq!(painted(&window), whole);
+}
+
+#[test]
 fn searches_side_by_side_stand_on_each_others_terrain() {
     let mut window = window();
     window.command(Command::Lockstep);
