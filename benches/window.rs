@@ -9,8 +9,14 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use eframe::egui::{Event, Modifiers, MouseWheelSource, MouseWheelUnit, Pos2, TouchPhase, vec2};
-use egui_kittest::Harness;
+use eframe::egui::{
+    Context, Event, FullOutput, Modifiers, MouseWheelSource, MouseWheelUnit, Pos2, TexturesDelta, TouchPhase, vec2,
+};
+use eframe::egui_wgpu::{RenderState, RendererOptions, ScreenDescriptor};
+use eframe::wgpu;
+use egui_kittest::wgpu::{create_render_state, default_wgpu_setup};
+use egui_kittest::{Harness, TestRenderer};
+use image::RgbaImage;
 use motionscope::ui::app::App;
 use motionscope::ui::{self, Start};
 
@@ -116,37 +122,97 @@ fn page(c: &mut Criterion) {
     }
 }
 
-/// A landscape of 33×33 costs at 1280×720 that is zoomed: laid out and made triangles of, and drawn by whatever driver there is, with the
-/// picture read back.
+/// Draws as the window does, with the driver's own filters, and waits until it is drawn; unlike a test it reads no picture back.
+struct Screen(RenderState);
+
+impl Screen {
+    fn new() -> Self {
+        Self(create_render_state(default_wgpu_setup(), RendererOptions::default()))
+    }
+}
+
+impl TestRenderer for Screen {
+    fn setup_eframe(&self, cc: &mut eframe::CreationContext<'_>, frame: &mut eframe::Frame) {
+        cc.wgpu_render_state = Some(self.0.clone());
+        frame.wgpu_render_state = Some(self.0.clone());
+    }
+
+    fn handle_delta(&mut self, delta: &mut TexturesDelta) {
+        let RenderState { device, queue, renderer, .. } = &self.0;
+        let mut renderer = renderer.write();
+        for (id, images) in delta.set.drain() {
+            images.iter().for_each(|image| renderer.update_texture(device, queue, id, image));
+        }
+        delta.free.drain().for_each(|id| renderer.free_texture(&id));
+    }
+
+    fn render(&mut self, ctx: &Context, output: &FullOutput) -> Result<RgbaImage, String> {
+        let RenderState { device, queue, renderer, target_format, .. } = &self.0;
+        let (mut renderer, pixels_per_point) = (renderer.write(), ctx.pixels_per_point());
+        let [width, height] = <[f32; 2]>::from(ctx.content_rect().size() * pixels_per_point).map(|side| side as u32);
+        let screen = ScreenDescriptor { pixels_per_point, size_in_pixels: [width, height] };
+        let texture = device.create_texture(&wgpu::TextureDescriptor {
+            label: None,
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: *target_format,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+            view_formats: &[],
+        });
+        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let jobs = ctx.tessellate(output.shapes.clone(), pixels_per_point);
+        let before = renderer.update_buffers(device, queue, &mut encoder, &jobs, &screen);
+        let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store };
+        let target = wgpu::RenderPassColorAttachment { view: &view, resolve_target: None, ops, depth_slice: None };
+        let pass = wgpu::RenderPassDescriptor { color_attachments: &[Some(target)], ..Default::default() };
+        renderer.render(&mut encoder.begin_render_pass(&pass).forget_lifetime(), &jobs, &screen);
+        queue.submit(before.into_iter().chain([encoder.finish()]));
+        device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| error.to_string())?;
+        Ok(RgbaImage::new(width, height))
+    }
+}
+
+/// A landscape of 33×33 costs at 1280×720 that is zoomed, and the flat picture of the same step: laid out and made triangles of, and
+/// drawn by whatever driver there is.
 fn landscape(c: &mut Criterion) {
+    for (name, is_leaned) in [("a flat picture", false), ("a landscape", true)] {
+        drawn(c, name, is_leaned);
+    }
+}
+
+fn drawn(c: &mut Criterion, name: &str, is_leaned: bool) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("leaned.motionscope");
-    let lines = "motionscope = 1\nclip = \"synth:pillar\"\nestimator = \"full-search\"\nstep = \"100.800\"\n[picture]\nlandscape = true\n";
-    std::fs::write(&path, lines).expect("it is written");
+    let lines =
+        "motionscope = 1\nclip = \"synth:pillar\"\nestimator = \"full-search\"\nstep = \"100.800\"\n[picture]\n";
+    std::fs::write(&path, format!("{lines}theme = \"projector\"\nlandscape = {is_leaned}\n")).expect("it is written");
     let build = |cc: &mut eframe::CreationContext<'static>| {
         let mut app = App::new(&cc.egui_ctx, None).expect("a thread");
         ui::begin(&mut app, Start { open: Some(path.into()) });
         app
     };
-    let mut window = Harness::builder().with_size(vec2(1280.0, 720.0)).wgpu().build_eframe(build);
+    let mut window = Harness::builder().with_size(vec2(1280.0, 720.0)).renderer(Screen::new()).build_eframe(build);
     for _ in 0..5 {
         window.state_mut().wait();
         window.run_steps(60);
     }
-    assert!(window.state().settings().look.landscape);
+    assert_eq!(window.state().settings().look.landscape, is_leaned);
     let mut way = 1.0;
     let mut turn = move |window: &mut Harness<'static, App>| {
         way = -way;
         zoom(window, Pos2::new(400.0, 350.0), 30.0 * way);
     };
-    c.bench_function("a frame of a landscape, 720p, while it is zoomed", |b| {
+    c.bench_function(&format!("a frame of {name}, 720p, while it is zoomed"), |b| {
         b.iter(|| {
             turn(&mut window);
             let shapes = window.output().shapes.clone();
             black_box(window.ctx.tessellate(shapes, 1.0).len())
         });
     });
-    c.bench_function("the same, drawn", |b| {
+    c.bench_function(&format!("a frame of {name}, 720p, drawn"), |b| {
         b.iter(|| {
             turn(&mut window);
             black_box(window.render().expect("a driver").width())

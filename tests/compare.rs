@@ -56,7 +56,10 @@ fn a_comparison_is_told_in_a_sentence() {
         std::cmp::Ordering::Greater => "worse",
         std::cmp::Ordering::Equal => "the same EPE",
     };
-    assert!(told.ends_with(word), "{told}: {rows}");
+    let quality = told.split(", ").nth(1).unwrap_or_default();
+    assert!(quality.ends_with(word), "{told}: {rows}");
+    let missed = rows[0]["missed_percent"].as_f64().unwrap();
+    assert_eq!(told.ends_with(" % of the minima missed"), missed > 0.05, "{told}: {rows}");
     let sentence = format!("Diamond search compared with Full search: {told}.");
     assert!(stdout(&line).contains(&sentence) && stdout(&format!("{line} --markdown")).contains(&sentence));
     assert!(!stdout(&format!("compare {SMALL} --estimators diamond")).contains("compared with"), "with what?");

@@ -11,6 +11,7 @@ use std::io::Cursor as Bytes;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use eframe::App as _;
 use eframe::egui::{Event, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::wgpu::WgpuTestRenderer;
@@ -34,13 +35,15 @@ const MOST_FAR: usize = 5;
 
 /// Windows in which `SCREENSHOTS=FOLDER cargo test --workspace --test screenshots` draws every estimator, and of the first every page
 /// of the lessons.
-const WINDOWS: [(&str, [f32; 2], Theme, &[Command]); 12] = [
+const WINDOWS: [(&str, [f32; 2], Theme, &[Command]); 14] = [
     ("projector-720", [1280.0, 720.0], Theme::Projector, &[]),
     ("dark-720", [1280.0, 720.0], Theme::Dark, &[]),
+    ("light-720", [1280.0, 720.0], Theme::Light, &[]),
     ("present-720", [1280.0, 720.0], Theme::Projector, &[Command::Present]),
     ("projector-768", [1024.0, 768.0], Theme::Projector, &[]),
     ("light-1080", [1920.0, 1080.0], Theme::Light, &[]),
     ("projector-1080", [1920.0, 1080.0], Theme::Projector, &[]),
+    ("dark-1080", [1920.0, 1080.0], Theme::Dark, &[]),
     ("dark-390", [844.0, 390.0], Theme::Dark, &[]),
     ("compare-720", [1280.0, 720.0], Theme::Projector, &[Command::Compare]),
     ("chooser-720", [1280.0, 720.0], Theme::Projector, &[Command::Estimators]),
@@ -147,8 +150,19 @@ fn picture(scene: &Scene, renderer: WgpuTestRenderer) -> RgbImage {
         std::thread::sleep(std::time::Duration::from_millis(50));
         harness.run_steps(1);
     }
-    let picture = harness.render().expect("the window can be drawn");
+    let mut picture = harness.render().expect("the window can be drawn");
+    clear(&mut picture, harness.state().clear_color(&harness.ctx.global_style().visuals));
     thin(&picture)
+}
+
+/// Puts a colour behind the picture, as the window has it.
+fn clear(picture: &mut image::RgbaImage, color: [f32; 4]) {
+    for pixel in picture.pixels_mut() {
+        let through = 255 - pixel.0[3];
+        for (channel, color) in pixel.0.iter_mut().zip(color) {
+            *channel = channel.saturating_add((color * f32::from(through)).round() as u8);
+        }
+    }
 }
 
 /// The picture with two bits less where it is no flat area: nobody sees it, and the file is half as large.

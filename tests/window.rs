@@ -891,7 +891,7 @@ fn a_word_in_the_colour_of_a_role_shows_its_marks_alone_while_it_is_pointed_at()
     window.harness.key_press(Key::ArrowRight);
     window.settle();
     let sentence = window.shown().step.sentence.clone();
-    let roles: Vec<_> = sentence.0.iter().filter_map(|(_, role)| *role).collect();
+    let roles: Vec<_> = sentence.words().filter_map(|(_, role)| role).collect();
     assert!(!roles.is_empty(), "{}", sentence.plain());
     let line = window.harness.query_all_by_label_contains(&sentence.plain()).next().expect("it is shown").rect();
     let mut found = std::collections::BTreeSet::new();

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use motionscope_core::memory::Need;
-use motionscope_core::scene::{Picture, Question, Reading, Sentence, Shape};
+use motionscope_core::scene::{Picture, Question, Shape, Unit};
 use motionscope_core::{
     AnyEstimator, BlockField, BlockGrid, BlockVector, Border, Clip, Error, Estimator, Footprint, Frame, Granularity,
-    Info, Interpolation, Move, Observer, Output, Product, ProductKind, Progress, Role, Scene, Seen, Step, params,
-    pseudocode, synth,
+    Info, Interpolation, Move, Observer, Output, Product, ProductKind, Progress, Role, Scene, Seen, Step, cases,
+    params, pseudocode, synth, variables,
 };
 
 params! {
@@ -21,6 +21,16 @@ params! {
 pseudocode! {
     EACH_BLOCK: "for each block B of frame t",
     KEEP_ZERO: "  displacement of B ← (0, 0); its cost is the SAD there",
+}
+
+variables! {
+    /// The sum of absolute differences of the block and the pixels at its place in frame t+1.
+    COST: "SAD", r"\text{SAD}(0, 0)", Unit::WHOLE, Role::Result;
+}
+
+cases! { over value;
+    OPENING: "The first block comes next.",
+    KEPT: "The block stays where it is, at a cost of {cost}.",
 }
 
 /// All that a unit reads and writes: a run can be taken up from any copy of it.
@@ -43,10 +53,11 @@ impl Estimator for Still {
         frames: 2,
     };
     const PRODUCES: &'static [&'static ProductKind] = &[BlockField::KIND];
-    const QUESTIONS: &'static [Question] = &[Question::number(
+    const QUESTIONS: &'static [Question] = &[Question::value(
         "cost",
         "What does it cost to leave the next block where it is?",
-        Reading { line: line::KEEP_ZERO, after: "at a cost of ", before: ".", unit: "gray levels" },
+        line::KEEP_ZERO,
+        value::COST,
     )];
     type State = State;
     type Event = u64;
@@ -81,15 +92,13 @@ impl Estimator for Still {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        let said = Sentence::default();
-        let (line, sentence) = match seen.events.last() {
-            None => (line::EACH_BLOCK, said.text("The first block comes next.")),
-            Some(sad) => {
-                let said = said.text("The block stays where it is, at a cost of ");
-                (line::KEEP_ZERO, said.ink(Role::Result, sad.to_string()).text("."))
-            }
-        };
-        Step { line, sentence, readouts: Vec::new() }
+        match seen.events.last() {
+            None => Step::at(line::EACH_BLOCK).say(case::OPENING),
+            Some(sad) => Step::at(line::KEEP_ZERO)
+                .fact(value::COST, *sad)
+                .say(case::KEPT)
+                .formula(r"\text{SAD}(0, 0) = \sum_{x, y} |I_t(x, y) - I_{t+1}(x, y)| = {cost}"),
+        }
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {

@@ -304,3 +304,19 @@ fn the_estimates_go_down_into_the_valley_of_the_squared_difference() {
         }
     }
 }
+
+#[test]
+fn a_window_that_leaves_the_picture_is_said_to() {
+    let (clip, _) = linear_motion([[0.0; 2]; 2], [1.3, -0.8]);
+    let mut walk = set("lucas-kanade", &[]).walk(&clip, 0).unwrap();
+    walk.jump(Move::End);
+    let (width, height) = clip.size();
+    for (at, ends) in [([48.0, 40.0], false), ([2.0, 40.0], true), ([(width - 1) as f32, (height - 1) as f32], true)] {
+        let step = walk.step(Some(Focus::current(at)));
+        let said = step.sentence.plain().contains("ends where the window leaves frame t+1");
+        let plane =
+            step.readouts.iter().find_map(|r| if let scene::Readout::Plane(plane) = r { Some(plane) } else { None });
+        let cost = plane.and_then(|plane| plane.cost.as_ref()).expect("a cost");
+        assert_eq!((said, cost.has_gaps()), (ends, ends), "{at:?}: {}", step.sentence.plain());
+    }
+}

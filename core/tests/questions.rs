@@ -236,7 +236,7 @@ fn what_lies_between_two_answers_is_not_asked() {
         let Asked::Choice(cases) = question.asked else { panic!("{id}: {} has no choices", question.text) };
         let scene = Scene::default();
         let answers = said.map(|said| {
-            let step = Step { line: cases[0].line, sentence: Sentence::default().text(said), readouts: Vec::new() };
+            let step = Step { sentence: Sentence::default().text(said), ..Step::at(cases[0].line) };
             let shown = Shown { step: &step, scene: &scene };
             question.answer(shown, shown)
         });

@@ -7,10 +7,10 @@ use std::sync::Arc;
 use common::set;
 use motionscope_core::products::Reference;
 use motionscope_core::products::disparity::disparity_error;
-use motionscope_core::scene::{Focus, Picture};
+use motionscope_core::scene::{Focus, Picture, Readout};
 use motionscope_core::{
-    AnyEstimator, Calibration, Clip, Direction, Disparity, DisparityField, Frame, Gray, Grid, Guarantee, Move, Threads,
-    estimators, synth,
+    AnyEstimator, Calibration, Clip, Cursor, Direction, Disparity, DisparityField, Frame, Gray, Grid, Guarantee, Move,
+    Threads, estimators, synth,
 };
 
 /// Texture without repetition, smoothed over 2×2 px.
@@ -251,6 +251,41 @@ fn semi_global_matching_is_what_it_is_defined_as() {
         );
         let what = format!("{paths} paths, {disparities} disparities, P1 {p1}, P2 {p2}");
         assert_same(&found(&*estimator, &clip), &expected, &what);
+    }
+}
+
+#[test]
+fn the_canyon_of_a_row_is_cut_through_the_costs_at_hand() {
+    let (clip, disparities, (x, y)) = (scene((43, 26)), 16, (30, 12));
+    let settings = [("paths", "4"), ("disparities", "16"), ("p1", "10"), ("p2", "120")];
+    let mut walk = set("semi-global-matching", &settings).walk(&clip, 0).expect("a run");
+    let [left, right] = views(&clip).map(|view| census(&view));
+    for done in 0..=4 {
+        walk.jump(Move::To(Cursor { unit: done, event: usize::MAX }));
+        let sums = sums(&clip, disparities, [10, 120], &[(1, 0), (-1, 0), (0, 1), (0, -1)][..done]);
+        let cost = |x: usize, d: usize| match done {
+            0 => hamming(&left[(x, y)], &right[(x - d, y)]),
+            _ => sums[(x, y)][d],
+        };
+        let step = walk.step(Some(Focus::current([x as f32, y as f32])));
+        let surface = step.readouts.iter().find_map(|r| if let Readout::Landscape(of) = r { Some(of) } else { None });
+        let surface = surface.expect("a canyon");
+        // 24 px to the left, and to the right up to the border.
+        assert_eq!(surface.values.size(), (37, disparities));
+        for (d, column) in (0..disparities).flat_map(|d| (0..37).map(move |column| (d, column))) {
+            let at = column + 6;
+            let expected = if d <= at { cost(at, d) as f32 } else { f32::NAN };
+            let value = surface.values[(column, d)];
+            assert!(
+                value == expected || value.is_nan() && expected.is_nan(),
+                "{value} at x = {at}, d = {d} after {done}"
+            );
+        }
+        let bed = surface.trail.iter().map(|at| surface.axes.at(*at));
+        for (at, [x, d]) in (6..).zip(bed) {
+            let least = (0..disparities.min(at + 1)).min_by_key(|d| cost(at, *d)).expect("a disparity");
+            assert_eq!([x, d], [at as f32, least as f32], "the first of equal costs, after {done}");
+        }
     }
 }
 

@@ -1,7 +1,6 @@
 //! Time travel on a toy estimator: levels of items, an end that nobody knows beforehand, and a damaged frame.
 
 use motionscope_core::memory::Need;
-use motionscope_core::scene::Sentence;
 use motionscope_core::{
     BlockField, BlockGrid, BlockVector, Border, Clip, Cursor, Direction, Error, Estimator, Footprint, Frame,
     Granularity, Grid, Info, Move, Observer, Output, Product, ProductKind, Progress, Scene, Seen, Step, Timeline, Walk,
@@ -70,7 +69,7 @@ impl Estimator for Toy {
     }
 
     fn step(&self, _: &Seen<Self>) -> Step {
-        Step { line: line::COUNT, sentence: Sentence::default(), readouts: Vec::new() }
+        Step::at(line::COUNT)
     }
 
     fn draw(&self, _: &Seen<Self>, _: &mut Scene) {}
@@ -182,6 +181,28 @@ fn a_new_move_replaces_an_unfinished_one() {
     assert!(!walk.work(&mut || false));
     walk.jump(Move::Granularity(3, Direction::Forward));
     assert_eq!(walk.cursor(), Cursor { unit: 0, event: 1 });
+}
+
+#[test]
+fn a_jump_ends_where_it_is_no_longer_wanted() {
+    let mut walk = toy(100, 10, 1000);
+    let (units, asked) = (900, std::cell::Cell::new(0));
+    let wanted_until = |last: usize| {
+        asked.set(0);
+        let asked = &asked;
+        move || {
+            asked.set(asked.get() + 1);
+            asked.get() <= last
+        }
+    };
+    let to = Move::To(Cursor { unit: units, event: 1 });
+    for last in [0, 1, 20] {
+        assert!(!walk.jump_while(to, &wanted_until(last)));
+        assert_eq!(walk.cursor(), Cursor::default(), "it stays where it was");
+        assert!(asked.get() <= last + 2, "it ends at once, not after being asked {} times", asked.get());
+    }
+    assert!(walk.jump_while(to, &wanted_until(usize::MAX)));
+    assert_eq!(walk.cursor(), Cursor { unit: units, event: 1 });
 }
 
 #[test]

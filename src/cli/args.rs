@@ -318,8 +318,11 @@ pub struct RunArgs {
     #[command(flatten)]
     pub sheet: SheetArgs,
     /// Step of the overlay and of --pixel: UNIT.EVENT as in 35.412, both counted from 1, UNIT for its end, 0 for the start, or end for the end of the run; end by default.
-    #[arg(long, help_heading = "Picture", value_name = "CURSOR", value_parser = cursor)]
+    #[arg(long, help_heading = "Picture", value_name = "CURSOR", value_parser = cursor, conflicts_with = "steps")]
     pub step: Option<Cursor>,
+    /// Print the steps of a range as data, one JSON object a line, in place of the report.
+    #[arg(long, help_heading = "Output", value_name = "A..B", value_parser = steps, requires = "json", conflicts_with_all = ["overlay", "repeat", "beside"])]
+    pub steps: Option<(Cursor, Cursor)>,
     /// Number of runs, for the timing.
     #[arg(long, help_heading = "Execution", value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub repeat: u32,
@@ -339,7 +342,7 @@ pub struct RunArgs {
     /// Overwrite input files, or save among the frames of the clip.
     #[arg(long, help_heading = "Output")]
     pub force: bool,
-    /// Print one JSON object.
+    /// Print one JSON object; with --step, the step is part of it.
     #[arg(long, help_heading = "Output")]
     pub json: bool,
 }

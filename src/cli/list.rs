@@ -3,7 +3,7 @@
 use motionscope_core::examples::{self, Cause, Example};
 use motionscope_core::params::Kind;
 use motionscope_core::pseudocode::Line;
-use motionscope_core::scene::{Asked, Question, Reading};
+use motionscope_core::scene::{Asked, Question};
 use motionscope_core::synth::{Difficulty, SCENES};
 use motionscope_core::{AnyEstimator, Error, Params, Spec, Value, estimator, estimators};
 use serde_json::{Map, json};
@@ -41,8 +41,10 @@ fn question_text(question: &Question) -> String {
     let asked = match question.asked {
         Asked::Place { .. } => "a place".to_owned(),
         Asked::Choice(_) => question.choices().join(" | "),
-        Asked::Number(Reading { unit: "", .. }) => "a number".to_owned(),
-        Asked::Number(Reading { unit, .. }) => format!("a number of {unit}"),
+        Asked::Number(_) | Asked::Value { .. } => match question.unit() {
+            "" => "a number".to_owned(),
+            unit => format!("a number of {unit}"),
+        },
     };
     format!("  {}\n    {asked}\n", question.text)
 }
@@ -119,7 +121,7 @@ fn question_json(question: &Question) -> serde_json::Value {
     let (asked, unit) = match question.asked {
         Asked::Place { .. } => ("place", "px"),
         Asked::Choice(_) => ("choice", ""),
-        Asked::Number(reading) => ("number", reading.unit),
+        Asked::Number(_) | Asked::Value { .. } => ("number", question.unit()),
     };
     json!({ "id": question.id, "text": question.text, "asked": asked, "answers": question.choices(), "unit": unit })
 }

@@ -16,6 +16,7 @@ mod print;
 mod report;
 mod run;
 mod search;
+mod step;
 mod task;
 
 use std::ffi::OsString;

@@ -22,6 +22,18 @@ pub fn say_json(json: &str) -> Result<(), Error> {
     write_out(&escaped(json))
 }
 
+/// Writes one of several lines of JSON to standard output; returns whether it is still read.
+///
+/// # Errors
+/// If it cannot be written.
+pub fn say_line(json: &str) -> Result<bool, Error> {
+    match writeln!(io::stdout().lock(), "{}", escaped(json)) {
+        Ok(()) => Ok(true),
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(false),
+        Err(error) => Err(unwritable(&error)),
+    }
+}
+
 /// Writes a warning or a note to standard error.
 pub fn remark(text: &str) {
     eprintln!("{}", printable(text));
@@ -48,11 +60,13 @@ fn escaped(json: &str) -> String {
 fn write_out(text: &str) -> Result<(), Error> {
     let end = if text.ends_with('\n') { "" } else { "\n" };
     match write!(io::stdout().lock(), "{text}{end}") {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Error::new(format!("standard output cannot be written: {error}")))
-        }
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(unwritable(&error)),
         _ => Ok(()),
     }
+}
+
+fn unwritable(error: &io::Error) -> Error {
+    Error::new(format!("standard output cannot be written: {error}"))
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ use serde::{Serialize, Serializer};
 use serde_json::Map;
 
 use super::list::value;
+use super::step::StepReport;
 use crate::experiment::pixel::Pixel;
 use crate::experiment::{Prepared, TakenRegion};
 use crate::view::motion::Check;
@@ -47,6 +48,9 @@ pub struct Report {
     conclusion: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pixel: Option<ExplainedPixel>,
+    /// The step that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    step: Option<StepReport>,
 }
 
 /// The explanation of a pixel at a step.
@@ -107,6 +111,8 @@ pub struct Findings {
     pub conclusion: Option<String>,
     /// The explanation of a pixel, if requested.
     pub pixel: Option<ExplainedPixel>,
+    /// A step as data, if requested.
+    pub step: Option<StepReport>,
 }
 
 /// The scores by their keys.
@@ -243,7 +249,7 @@ impl Report {
     pub fn new(
         Prepared { experiment, clip, .. }: &Prepared,
         output: &Output,
-        Findings { assessment: metrics, check, live, conclusion, pixel }: Findings,
+        Findings { assessment: metrics, check, live, conclusion, pixel, step }: Findings,
         extent: Extent,
         timing: Timing,
     ) -> Self {
@@ -270,6 +276,7 @@ impl Report {
             live,
             conclusion,
             pixel,
+            step,
         }
     }
 

@@ -15,6 +15,7 @@ use super::args::RunArgs;
 use super::outputs::{self, check_folder, refuse_losses};
 use super::print::{remark, say, say_beside, say_json};
 use super::report::{ExplainedPixel, Findings, Report, Timing, to_json};
+use super::step::{StepReport, print_steps};
 use super::task;
 use crate::experiment::pixel::{Chosen, Pixel};
 use crate::experiment::{Position, Prepared, is_of_pair, is_repeated, repeated_note};
@@ -40,6 +41,9 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     let place = Place { args, look, section, position: session.position, freehand: session.freehand };
     let prepared = task::prepare(&args.task, session.experiment)?;
     refuse_losses(&prepared.inputs, &places(args), args.force)?;
+    if let Some(range) = args.steps {
+        return print_steps(&prepared, range);
+    }
     let Prepared { experiment, clip, .. } = &prepared;
     let (estimator, frame) = (&*experiment.estimator, experiment.frame);
     outputs.check(estimator)?;
@@ -89,7 +93,8 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     let explain = |(pixel, Seen { moment, step, motion })| ExplainedPixel::new(pixel, moment.cursor, &step, motion);
     let pixel = args.picture.pixel.zip(seen).map(explain);
     let conclusion = conclusion(&prepared, &output);
-    let findings = Findings { assessment, check, live, conclusion, pixel };
+    let step = args.step.filter(|_| args.json).map(|step| step_report(&prepared, step)).transpose()?;
+    let findings = Findings { assessment, check, live, conclusion, pixel, step };
     let report = Report::new(&prepared, &output, findings, extent, timing);
     let encode = |(export, path, format): &(&'static Export, &PathBuf, &results::Format)| {
         let made = (format.encode)(&output)?;
@@ -193,6 +198,16 @@ fn conclusion(Prepared { experiment, clip, .. }: &Prepared, output: &Output) -> 
     let mut walk = experiment.estimator.walk(clip, experiment.frame).ok()?;
     walk.jump(Move::End);
     Some(walk.step(None).sentence.plain()).filter(|_| walk.failure().is_none())
+}
+
+/// The step at a cursor as data.
+fn step_report(Prepared { experiment, clip, .. }: &Prepared, cursor: Cursor) -> Result<StepReport, Error> {
+    let mut walk = experiment.estimator.walk(clip, experiment.frame)?;
+    walk.jump(if cursor == Cursor::END { Move::End } else { Move::To(cursor) });
+    match walk.failure() {
+        Some(why) => Err(why.clone()),
+        None => Ok(StepReport::of(&*walk)),
+    }
 }
 
 /// What `args` ask for themselves of how the picture looks: what a session asks for may be missing at some steps.

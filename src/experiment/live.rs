@@ -140,10 +140,8 @@ impl LiveRun {
             None => self.estimator.walk(&self.clip, self.frame)?,
         };
         // The granularity after that of the whole run is its frames.
-        walk.go(if is_through_clip { Move::Granularity(1, Direction::Forward) } else { Move::End });
-        while !walk.work(&mut || !self.stop.is_set()) {
-            self.stop.check()?;
-        }
+        let to = if is_through_clip { Move::Granularity(1, Direction::Forward) } else { Move::End };
+        walk.jump_while(to, &|| !self.stop.is_set());
         self.stop.check()?;
         if let Some(error) = walk.failure() {
             return Err(error.clone());

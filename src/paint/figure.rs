@@ -319,7 +319,7 @@ impl Layout<'_> {
             self.pictures.extend((!primitives.is_empty()).then_some(Layer { clip: None, primitives }));
         }
         self.y = if is_framed { on_grid(bottom) } else { bottom };
-        if let Some(caption) = self.options.caption.as_ref().filter(|caption| !caption.sentence.0.is_empty()) {
+        if let Some(caption) = self.options.caption.as_ref().filter(|caption| !caption.sentence.is_empty()) {
             self.y += GAP;
             self.paragraph(&inked(&caption.sentence, self.options.style.theme), self.sizes.body);
         }

@@ -113,7 +113,7 @@ pub fn brevity<'a>(all: impl Iterator<Item = &'a [Sentence]> + Clone, fits: impl
 /// A sentence in the colours of its roles.
 pub fn inked(sentence: &Sentence, theme: Theme) -> Vec<Run> {
     let color = |role: Option<_>| role.map_or(theme.chrome().text, |role| theme.word(role));
-    sentence.0.iter().map(|(words, role)| Run::new(words, color(*role))).collect()
+    sentence.words().map(|(words, role)| Run::new(words, color(role))).collect()
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use crate::session::lesson::Address;
 use crate::view::panes::Pane;
 use entries::Entry;
 pub use entries::is_same_parameter;
-pub use spelling::suggest;
+pub use spelling::{is_one_slip, suggest};
 pub use text::TRANSPOSED;
 use text::{Query, Searched};
 

@@ -109,7 +109,7 @@ fn letters(word: &str) -> String {
 }
 
 /// Whether one word becomes the other by a letter that is dropped, added or replaced, or by a swap of two neighbours.
-fn is_one_slip(one: &str, other: &str) -> bool {
+pub fn is_one_slip(one: &str, other: &str) -> bool {
     let [one, other] = [one, other].map(|word| word.chars().collect::<Vec<_>>());
     let begins_alike = one.iter().zip(&other).take_while(|(a, b)| a == b).count();
     let (one, other) = (&one[begins_alike..], &other[begins_alike..]);

@@ -252,7 +252,7 @@ fn written(
 /// The sentence of a step behind `words`, in the largest type in which it has room; its first sentence alone where it must be told.
 fn said(words: &str, moment: &Moment, ([width, height], size): ([f32; 2], f32), must: bool) -> Option<Block> {
     let step = moment.tiles.first().map_or(&moment.step, |tile| &tile.step);
-    let whole = Sentence([vec![(words.to_owned(), None)], step.sentence.0.clone()].concat());
+    let whole = Sentence::default().text(words).then(step.sentence.clone());
     let plain = whole.plain();
     let first = plain.find(". ").map_or(plain.as_str(), |end| &plain[..=end]);
     let set = |sentence: &Sentence, size: f32| {
@@ -330,7 +330,7 @@ mod tests {
     }
 
     fn step(readout: Readout) -> Step {
-        Step { line: line::TEST, sentence: Sentence::default(), readouts: vec![readout] }
+        Step { values: Vec::new(), line: line::TEST, sentence: Sentence::default(), readouts: vec![readout] }
     }
 
     fn plot(values: &[f32]) -> Step {

@@ -63,10 +63,8 @@ impl Stand<'_> {
         let reverse = Reverse::new(&*experiment.estimator, clip, experiment.frame);
         let mut viewer = Viewer::new(experiment, clip, look, &reverse)?;
         viewer.freehand.clone_from(freehand);
-        viewer.walk.go(Move::To(*cursor));
         let is_wanted = || !progress.is_some_and(|progress| progress.cancelled());
-        while is_wanted() && !viewer.walk.work(&mut || is_wanted()) {}
-        if !is_wanted() {
+        if !viewer.walk.jump_while(Move::To(*cursor), &is_wanted) {
             return Err(Error::new("saving was cancelled"));
         }
         if let Some(failure) = viewer.walk.failure() {

@@ -606,7 +606,7 @@ mod tests {
         };
         let step = |readouts: Vec<Readout>| {
             let info = motionscope_core::estimator("kalman-filter").unwrap().info();
-            Step { line: info.pseudocode[0].name, sentence: Default::default(), readouts }
+            Step { values: Vec::new(), line: info.pseudocode[0].name, sentence: Default::default(), readouts }
         };
         assert!(charts(&step(vec![series(f32::NAN), Readout::Tiles(Vec::new())]), &[]).is_empty());
         assert_eq!(charts(&step(vec![series(f32::NAN), series(2.0)]), &[]), [&SERIES]);

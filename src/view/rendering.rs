@@ -175,10 +175,7 @@ impl Rendering<'_> {
                 CaptionWords::Off | CaptionWords::On => Vec::new(),
             },
             sentence: match tiles.first() {
-                Some(tile) => {
-                    let name = (format!("{}: ", tile.names[0]), None);
-                    Sentence([vec![name], step.sentence.0.clone()].concat())
-                }
+                Some(tile) => Sentence::default().text(format!("{}: ", tile.names[0])).then(step.sentence.clone()),
                 None => step.sentence.clone(),
             },
         }

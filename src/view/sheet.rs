@@ -205,7 +205,7 @@ impl Frame {
         let (mut primitives, height) = heading(&contents.caption, ([MARGIN; 2], width), theme);
         let mut body = Rect::new([MARGIN, MARGIN + height + 4.0], [width, size[1] - 2.0 * MARGIN - height - 4.0]);
         // Where nothing else tells why, a sentence does.
-        if !contents.panes.contains(&&EXPLANATION) && !contents.caption.sentence.0.is_empty() {
+        if !contents.panes.contains(&&EXPLANATION) && !contents.caption.sentence.is_empty() {
             let (words, height) = paragraph(&contents.caption.sentence, width, theme);
             let (_, line) = paragraph(&Sentence::default().text("x"), width, theme);
             let height = height.max(reserve.lines as f32 * line);

@@ -290,14 +290,8 @@ impl Progress for Part<'_> {
 
 /// Makes a move of `walk` unless it is cancelled, after so many pictures were `written`.
 fn travel(walk: &mut dyn Walk, to: Move, written: usize, progress: Option<&dyn Progress>) -> Result<(), Error> {
-    let cancelled = || progress.is_some_and(|progress| progress.cancelled());
-    walk.go(to);
-    while !cancelled() {
-        if walk.work(&mut || !cancelled()) {
-            return Ok(());
-        }
-    }
-    Err(self::cancelled(written))
+    let is_wanted = || !progress.is_some_and(|progress| progress.cancelled());
+    if walk.jump_while(to, &is_wanted) { Ok(()) } else { Err(cancelled(written)) }
 }
 
 fn cancelled(written: usize) -> Error {

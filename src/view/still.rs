@@ -81,8 +81,7 @@ impl Still<'_> {
 
 /// Makes a move, unless `stop` is set or the run fails.
 fn go(walk: &mut dyn Walk, to: Move, stop: &Stop) -> Result<(), Error> {
-    walk.go(to);
-    while !walk.work(&mut || !stop.is_set()) {
+    if !walk.jump_while(to, &|| !stop.is_set()) {
         stop.check()?;
     }
     walk.failure().map_or(Ok(()), |failure| Err(failure.clone()))

@@ -19,6 +19,32 @@ pub fn fixed(v: f64, decimals: usize) -> String {
     }
 }
 
+/// The number that [`fixed`] writes.
+pub fn rounded(v: f64, decimals: usize) -> f64 {
+    format!("{v:.decimals$}").parse().unwrap_or(v)
+}
+
+/// The fewest further digits with which a formula, computed from its numbers as they are written, gives its result as it is written:
+/// `54.28 + 7.16 = 61.45` becomes `54.283 + 7.163 = 61.45`. `is_true` says whether it does with so many.
+pub fn further_digits(is_true: impl FnMut(&usize) -> bool) -> usize {
+    const MOST: usize = 4;
+    (0..MOST).find(is_true).unwrap_or(MOST)
+}
+
+/// The terms of a sum that is written with this many decimals, with the further digits that make it true: the first alone, the others
+/// with their sign before them.
+pub fn summands<const N: usize>(terms: [f64; N], decimals: usize) -> [String; N] {
+    let sum = |terms: [f64; N]| fixed(terms.iter().sum(), decimals);
+    let further = further_digits(|further| sum(terms.map(|term| rounded(term, decimals + further))) == sum(terms));
+    std::array::from_fn(|i| match (i, fixed(terms[i], decimals + further)) {
+        (0, term) => term,
+        (_, term) => match term.strip_prefix('−') {
+            Some(size) => format!(" − {size}"),
+            None => format!(" + {term}"),
+        },
+    })
+}
+
 /// A position or displacement in px: two decimals, none where it is whole.
 pub fn px(v: f32) -> String {
     fixed(v.into(), if v.fract() == 0.0 { 0 } else { 2 })
@@ -31,7 +57,12 @@ pub fn gray(v: f32) -> String {
 
 /// A small number with two digits and a power of ten: `−2.4·10⁻⁷`.
 pub fn with_power(value: f64) -> String {
-    let digits = format!("{:.1e}", value.abs());
+    with_power_to(value, 1)
+}
+
+/// A number with this many decimals before a power of ten.
+pub fn with_power_to(value: f64, decimals: usize) -> String {
+    let digits = format!("{:.decimals$e}", value.abs());
     let (mantissa, exponent) = digits.split_once('e').unwrap_or((&digits, "0"));
     let sign = if value < 0.0 { "−" } else { "" };
     format!("{sign}{mantissa}·10{}", exponent.chars().map(superscript).collect::<String>())
@@ -53,7 +84,7 @@ pub fn fine(v: f32) -> String {
     fixed(v.into(), 2)
 }
 
-/// A count with its noun: `1 frame`, `3 frames`, `3 matches`, `3 trajectories`.
+/// A count with its noun: `1 frame`, `3 frames`, `3 matches`, `3 trajectories`, `3 maxima`.
 pub fn counted(count: usize, one: &str) -> String {
     if count == 1 {
         return format!("1 {one}");
@@ -61,6 +92,7 @@ pub fn counted(count: usize, one: &str) -> String {
     let (stem, ending) = match one.strip_suffix('y') {
         Some(stem) if !stem.ends_with(['a', 'e', 'o', 'u']) => (stem, "ies"),
         _ if one.ends_with("ch") => (one, "es"),
+        _ if one.ends_with("imum") => (&one[..one.len() - 2], "a"),
         _ => (one, "s"),
     };
     format!("{count} {stem}{ending}")
@@ -211,5 +243,19 @@ mod tests {
         assert_eq!(headings, ["0°", "−90°", "180°", "90°", "180°"]);
         assert_eq!(place([126.737, -3.0]), "(126.74,\u{a0}−3.00)");
         assert_eq!([0.9999, 0.99, 0.5].map(percent), ["99.99 %", "99 %", "50 %"]);
+    }
+
+    #[test]
+    fn a_formula_has_the_digits_that_make_it_true() {
+        assert_eq!(summands([54.28, -7.16], 2), ["54.28", " − 7.16"]);
+        assert_eq!(
+            summands([54.2834, 7.1634], 2),
+            ["54.283", " + 7.163"],
+            "54.28 + 7.16 = 61.44, but the sum is 61.4468"
+        );
+        assert_eq!(summands([-0.2, 0.0, f64::NAN], 1), ["−0.2", " + 0.0", " + undefined"]);
+        assert_eq!(further_digits(|_| false), 4);
+        assert_eq!([rounded(-0.126, 2), rounded(12_345.678, 1)], [-0.13, 12_345.7]);
+        assert_eq!([with_power_to(2.44e-7, 2), with_power(2.44e-7)], ["2.44·10⁻⁷", "2.4·10⁻⁷"]);
     }
 }

@@ -14,11 +14,6 @@ pub(crate) fn px(value: f64) -> String {
     fixed(value, LENGTH_DECIMALS)
 }
 
-/// The gray level of a pixel: a whole number.
-pub(crate) fn level(value: f32) -> String {
-    fixed(value.into(), 0)
-}
-
 /// A squared Mahalanobis distance, NIS, NEES or gate: two decimals.
 pub(crate) fn squared(value: f64) -> String {
     fixed(value, SQUARED_DECIMALS)
@@ -40,7 +35,7 @@ mod tests {
 
     #[test]
     fn decimals_are_those_of_the_quantity() {
-        assert_eq!([px(-3.456), gray(127.0), level(176.0), squared(85.0)], ["−3.46", "127.00", "176", "85.00"]);
+        assert_eq!([px(-3.456), gray(127.0), squared(85.0)], ["−3.46", "127.00", "85.00"]);
         assert_eq!([ratio(0.0367), percent(0.3), px(-0.001)], ["0.037", "30.0 %", "0.00"]);
         assert_eq!([fixed(-12_345.6, 1), fixed(f64::INFINITY, 2)], ["−12\u{202f}345.6", "∞"]);
     }

@@ -37,7 +37,8 @@ pub(super) const MEASURES: [Measure; 4] = [
         Measure::new(
             "residual_bits",
             "Zero-order entropy of the residual of the motion-compensated prediction, in bits (in comparisons in kB of 8000 bits).",
-        ),
+        )
+        .smaller_is_better(),
         "residual kB",
         "residual_kb",
     ),

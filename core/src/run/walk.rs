@@ -119,8 +119,18 @@ pub trait Walk: Send {
 
     /// Goes there and returns when it is done.
     fn jump(&mut self, to: Move) {
+        self.jump_while(to, &|| true);
+    }
+
+    /// Goes there while `is_wanted`; gives whether it arrived. A move that is abandoned leaves the cursor where it was.
+    fn jump_while(&mut self, to: Move, is_wanted: &dyn Fn() -> bool) -> bool {
         self.go(to);
-        while !self.work(&mut || true) {}
+        while is_wanted() {
+            if self.work(&mut || is_wanted()) {
+                return true;
+            }
+        }
+        false
     }
 }
 

@@ -14,10 +14,7 @@ impl Name {
     /// A name that a macro has spelled.
     #[doc(hidden)]
     pub const fn new(kebab: &'static [u8]) -> Self {
-        match std::str::from_utf8(kebab) {
-            Ok(name) => Self(name),
-            Err(_) => panic!("a name is made of an identifier"),
-        }
+        Self(name_of(kebab))
     }
 
     /// The name in kebab case: `update-state`.
@@ -35,6 +32,15 @@ impl fmt::Display for Name {
 impl fmt::Debug for Name {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:?}", self.0)
+    }
+}
+
+/// The text of a name that a macro has spelled.
+#[doc(hidden)]
+pub const fn name_of(kebab: &'static [u8]) -> &'static str {
+    match std::str::from_utf8(kebab) {
+        Ok(name) => name,
+        Err(_) => panic!("a name is made of an identifier"),
     }
 }
 

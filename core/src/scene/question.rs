@@ -3,7 +3,8 @@
 //! A question is declared by what a step shows: the line of pseudocode that it is at, the words of its sentence, a number in
 //! it, or the marks of a role. So the truth is that of the run itself, and nothing is computed twice.
 
-use super::{Name, Picture, Role, Scene, Shape, Step};
+use super::value::{Decimals, Value};
+use super::{Case, Name, Picture, Role, Scene, Shape, Step, Variable};
 
 /// A question about the next result of an estimator.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,6 +17,8 @@ pub struct Question {
     pub asked: Asked,
     /// Words of a sentence with which the answer needs no thought; empty if there are none.
     pub unless: &'static str,
+    /// The cases in which the answer needs no thought.
+    pub obvious: &'static [&'static Case],
     /// Whether it is asked in the first unit of a run.
     pub in_first_unit: bool,
     /// Whether it is asked only once about each reference.
@@ -33,14 +36,21 @@ pub enum Asked {
         role: Role,
     },
     /// One of several answers: that of the first case that a step is.
-    Choice(&'static [Case]),
+    Choice(&'static [Reply]),
     /// A number in the sentence of a step.
     Number(Reading),
+    /// A value of a step of `line`.
+    Value {
+        /// The line of the step.
+        line: Name,
+        /// The variable.
+        of: &'static Variable,
+    },
 }
 
 /// A case of a question with several answers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Case {
+pub struct Reply {
     /// The answer.
     pub answer: &'static str,
     /// The line of the step.
@@ -49,6 +59,10 @@ pub struct Case {
     pub says: &'static str,
     /// A number of the sentence, and what it exceeds.
     pub over: Option<(Reading, f64)>,
+    /// The case that the step tells; `None` if it does not matter.
+    pub case: Option<&'static Case>,
+    /// A variable, and what its value exceeds.
+    pub above: Option<(&'static Variable, f64)>,
 }
 
 /// Where a number stands in the sentence of a step.
@@ -106,25 +120,39 @@ impl Shown<'_> {
 /// Distance in px below which two marks are at one place, and one that is shown already gives it away.
 const GIVEN_AWAY_PX: f32 = 0.75;
 
-impl Case {
+impl Reply {
     /// The case of a step at `line`.
     pub const fn at(line: Name, answer: &'static str) -> Self {
-        Self { answer, line, says: "", over: None }
+        Self { answer, line, says: "", over: None, case: None, above: None }
+    }
+
+    /// The answer where a step at `line` tells `case`.
+    pub const fn told(line: Name, case: &'static Case, answer: &'static str) -> Self {
+        Self { case: Some(case), ..Self::at(line, answer) }
+    }
+
+    /// The answer where the value of a step at `line` exceeds `limit`.
+    pub const fn above(line: Name, (of, limit): (&'static Variable, f64), answer: &'static str) -> Self {
+        Self { above: Some((of, limit)), ..Self::at(line, answer) }
     }
 
     /// The case of a step at `line` with a sentence that contains `says`.
     pub const fn says(line: Name, says: &'static str, answer: &'static str) -> Self {
-        Self { answer, line, says, over: None }
+        Self { says, ..Self::at(line, answer) }
     }
 
     /// The case of a step whose number at `reading` exceeds `limit`.
     pub const fn over(reading: Reading, limit: f64, answer: &'static str) -> Self {
-        Self { answer, line: reading.line, says: "", over: Some((reading, limit)) }
+        Self { over: Some((reading, limit)), ..Self::at(reading.line, answer) }
     }
 
     /// Whether `step` is this case.
     pub fn holds(&self, step: &Step) -> bool {
-        self.line == step.line && self.is_said(&step.sentence.plain())
+        let exceeds = |(of, limit)| step.value(of).and_then(Value::rounded).is_some_and(|value| value > limit);
+        self.line == step.line
+            && self.case.is_none_or(|case| step.is(case))
+            && self.above.is_none_or(exceeds)
+            && self.is_said(&step.sentence.plain())
     }
 
     /// Whether `sentence`, of a step at its line, is that of this case.
@@ -158,7 +186,7 @@ impl Question {
     }
 
     /// A question with several answers.
-    pub const fn choice(id: &'static str, text: &'static str, cases: &'static [Case]) -> Self {
+    pub const fn choice(id: &'static str, text: &'static str, cases: &'static [Reply]) -> Self {
         Self::new(id, text, Asked::Choice(cases))
     }
 
@@ -168,7 +196,18 @@ impl Question {
     }
 
     const fn new(id: &'static str, text: &'static str, asked: Asked) -> Self {
-        Self { id, text, asked, unless: "", in_first_unit: true, once: false }
+        Self { id, text, asked, unless: "", obvious: &[], in_first_unit: true, once: false }
+    }
+
+    /// A question for a value of a step at `line`.
+    pub const fn value(id: &'static str, text: &'static str, line: Name, of: &'static Variable) -> Self {
+        Self::new(id, text, Asked::Value { line, of })
+    }
+
+    /// The same question, but not asked about a step that tells one of `cases`: there the answer needs no thought.
+    #[must_use]
+    pub const fn unless_told(self, cases: &'static [&'static Case]) -> Self {
+        Self { obvious: cases, ..self }
     }
 
     /// The same question, but not asked about a step whose sentence contains `says`: there the answer needs no thought.
@@ -187,6 +226,15 @@ impl Question {
     #[must_use]
     pub const fn once_per_reference(self) -> Self {
         Self { once: true, ..self }
+    }
+
+    /// The unit of the number that is asked for; empty if it has none, or no number is asked for.
+    pub fn unit(&self) -> &'static str {
+        match self.asked {
+            Asked::Number(reading) => reading.unit,
+            Asked::Value { of, .. } if of.unit.decimals != Decimals::Count => of.unit.name,
+            Asked::Value { .. } | Asked::Choice(_) | Asked::Place { .. } => "",
+        }
     }
 
     /// Whether it is asked about a step of the unit `unit` of a run, from 0.
@@ -212,6 +260,9 @@ impl Question {
         if !self.unless.is_empty() && after.step.sentence.plain().contains(self.unless) {
             return None;
         }
+        if self.obvious.iter().any(|case| after.step.is(case)) {
+            return None;
+        }
         match &self.asked {
             Asked::Place { line, role } if *line == after.step.line => place(*role, before.scene, after.scene),
             Asked::Place { .. } => None,
@@ -224,6 +275,11 @@ impl Question {
                 Some(Answer::Number { value, shown })
             }
             Asked::Number(_) => None,
+            Asked::Value { line, of } if *line == after.step.line => {
+                let value = after.step.value(of)?;
+                Some(Answer::Number { value: value.rounded()?, shown: value.bare() })
+            }
+            Asked::Value { .. } => None,
         }
     }
 }
@@ -298,7 +354,7 @@ fn middles(shape: &Shape) -> Vec<[f32; 2]> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Sentence;
+    use super::super::{Sentence, Unit};
     use super::*;
 
     crate::pseudocode! {
@@ -306,18 +362,27 @@ mod tests {
         KEEP: "keep the best",
     }
 
+    crate::variables! {
+        /// The share of the way.
+        SHARE: "Share", "", Unit::WHOLE_PERCENT;
+    }
+
+    crate::cases! { over value;
+        COVERED: "The update covers {share} of the way.",
+    }
+
     const QUESTION: Question = Question::choice(
         "lower",
         "Is it lower?",
         &[
-            Case::says(line::TEST, "is below", "Yes"),
-            Case::says(line::TEST, "exceeds", "No"),
-            Case::at(line::KEEP, "Yes"),
+            Reply::says(line::TEST, "is below", "Yes"),
+            Reply::says(line::TEST, "exceeds", "No"),
+            Reply::at(line::KEEP, "Yes"),
         ],
     );
 
     fn step(line: Name, said: &str) -> Step {
-        Step { line, sentence: Sentence::default().text(said), readouts: Vec::new() }
+        Step { sentence: Sentence::default().text(said), ..Step::at(line) }
     }
 
     fn answer(question: &Question, line: Name, said: &str) -> Option<Answer> {
@@ -340,12 +405,30 @@ mod tests {
         const HALF: Question = Question::choice(
             "half",
             "Is it more than half?",
-            &[Case::over(SHARE, 50.0, "Yes"), Case::says(line::TEST, "covers", "No")],
+            &[Reply::over(SHARE, 50.0, "Yes"), Reply::says(line::TEST, "covers", "No")],
         );
         assert_eq!(answer(&HALF, line::TEST, "The update covers 51 % of it."), Some(Answer::Choice(0)));
         assert_eq!(answer(&HALF, line::TEST, "The update covers 50 % of it."), Some(Answer::Choice(1)));
         assert_eq!(answer(&HALF, line::TEST, "The update covers less than 1 % of it."), Some(Answer::Choice(1)));
         assert_eq!(answer(&HALF, line::KEEP, "The update covers 51 % of it."), None);
+    }
+
+    #[test]
+    fn a_question_reads_values_and_cases() {
+        let told = |step: Step, question: &Question| {
+            let (before, scene) = (Step::at(line::TEST), Scene::default());
+            question.answer(Shown { step: &before, scene: &scene }, Shown { step: &step, scene: &scene })
+        };
+        let covered = |share: f64| Step::at(line::TEST).put(value::SHARE, share).say(case::COVERED);
+        let share = Question::value("share", "Which share?", line::TEST, value::SHARE);
+        assert_eq!(told(covered(92.6), &share), Some(Answer::Number { value: 93.0, shown: "93".into() }));
+        assert_eq!(told(Step::at(line::KEEP), &share), None);
+        assert_eq!(told(covered(92.6), &share.unless_told(&[case::COVERED])), None);
+        const REPLIES: &[Reply] =
+            &[Reply::above(line::TEST, (value::SHARE, 50.0), "More"), Reply::told(line::TEST, case::COVERED, "Less")];
+        let half = Question::choice("half", "Is it more than half?", REPLIES);
+        assert_eq!([50.4, 50.6].map(|share| told(covered(share), &half)), [1, 0].map(|i| Some(Answer::Choice(i))));
+        assert_eq!(told(Step::at(line::TEST), &half), None);
     }
 
     #[test]

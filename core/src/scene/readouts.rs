@@ -1,5 +1,6 @@
 //! The contents beside the stage: equations, tables and charts, as data.
 
+use super::value::{Decimals, Value};
 use super::{Cloud, Diagram, Math, Picture, Role, Stack};
 use crate::data::Histogram;
 use crate::geometry::Grid;
@@ -134,6 +135,12 @@ impl Fact {
     /// A number with its label, and its role if it has one.
     pub fn new(label: &'static str, value: impl Into<String>, role: Option<Role>) -> Self {
         Self { label, value: value.into(), role, of: None }
+    }
+
+    /// A value with the label of its variable; of a count, the number alone.
+    pub fn of_value(value: &Value) -> Self {
+        let text = if value.unit.decimals == Decimals::Count { value.bare() } else { value.text() };
+        Self::new(value.of.label, text, value.role)
     }
 
     /// The same number of an object that is distinguished from others.
@@ -475,6 +482,37 @@ impl Surface {
         Self::over_picture(names, (on, center, step), values)
     }
 
+    /// The values of pixels of a picture from `origin` on; of many along a side every second, every third, and so on.
+    pub fn over_pixels(
+        names: (&'static str, &'static str),
+        (on, origin): (Picture, [usize; 2]),
+        pixels: &Grid<f32>,
+    ) -> Self {
+        /// Most cells along a side.
+        const MOST: usize = 48;
+        let (width, height) = pixels.size();
+        let step = width.max(height).div_ceil(MOST).max(1);
+        let values = Grid::from_fn(width.div_ceil(step), height.div_ceil(step), |x, y| pixels[(x * step, y * step)]);
+        let middle = [values.width(), values.height()].map(|side| side / 2 * step);
+        let center = [0, 1].map(|i| (origin[i] + middle[i]) as f32);
+        Self::over_picture(names, (on, center, step as f32), values)
+    }
+
+    /// The same surface with the path of an iteration, given in the quantities along its axes.
+    #[must_use]
+    pub fn with_trail(self, places: impl IntoIterator<Item = [f32; 2]>) -> Self {
+        let trail = places.into_iter().map(|place| self.axes.displacement(place)).collect();
+        Self { trail, ..self }
+    }
+
+    /// The same surface with pins at places, given in the quantities along its axes.
+    #[must_use]
+    pub fn with_named(self, places: impl IntoIterator<Item = (&'static str, Role, [f32; 2])>) -> Self {
+        let on_it = |(name, role, place)| (name, role, self.axes.displacement(place));
+        let named = places.into_iter().map(on_it).collect();
+        Self { named, ..self }
+    }
+
     /// The surface with all values that are known, whether or not the search has worked them out yet.
     #[must_use]
     pub fn landscape(&self) -> Self {
@@ -689,7 +727,7 @@ pub struct PlaneCost {
     pub name: &'static str,
     /// Its unit.
     pub unit: &'static str,
-    /// The costs in the middles of equal square cells; NaN where it is not defined.
+    /// The costs in the middles of equal square cells; NaN where it is not defined, since the window leaves the picture.
     pub values: Grid<f32>,
     /// Where displacement (0, 0) stands on a picture, and how many px of it one px of displacement is.
     pub footing: Option<Footing>,
@@ -743,6 +781,11 @@ impl PlaneCost {
         })
     }
 
+    /// Whether the cost is defined at some of the displacements only.
+    pub fn has_gaps(&self) -> bool {
+        self.range().is_some() && !self.values.cells().iter().all(|cost| cost.is_finite())
+    }
+
     /// The smallest and largest cost, where any is defined.
     pub fn range(&self) -> Option<[f32; 2]> {
         let known = self.values.cells().iter().copied().filter(|cost| cost.is_finite());
@@ -768,12 +811,7 @@ impl Plane {
     /// The cost as a surface on its picture, with the points and the path of the plane on it.
     fn landscape(&self) -> Option<Surface> {
         let surface = self.cost.as_ref()?.surface(self.center, self.reach)?;
-        let place = |at: [f32; 2]| surface.axes.displacement(at);
-        Some(Surface {
-            named: self.points.iter().map(|&(name, role, at)| (name, role, place(at))).collect(),
-            trail: self.path.iter().copied().map(place).collect(),
-            ..surface
-        })
+        Some(surface.with_named(self.points.iter().copied()).with_trail(self.path.iter().copied()))
     }
 }
 

@@ -42,4 +42,26 @@ impl Role {
         Role::Truth,
         Role::Error,
     ];
+
+    /// Its name in templates and data: `best`.
+    pub const fn id(self) -> &'static str {
+        match self {
+            Role::Reference => "reference",
+            Role::Window => "window",
+            Role::Candidate => "candidate",
+            Role::Rejected => "rejected",
+            Role::Best => "best",
+            Role::Result => "result",
+            Role::Predicted => "predicted",
+            Role::Measured => "measured",
+            Role::Estimate => "estimate",
+            Role::Truth => "truth",
+            Role::Error => "error",
+        }
+    }
+
+    /// The role of that name.
+    pub fn called(id: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|role| role.id() == id)
+    }
 }

@@ -1,30 +1,160 @@
-//! Sentences with roles, and formulas.
+//! Sentences in which values and words carry the colours of roles.
 
 use super::Role;
+use super::case::{Case, Part, find, parts};
+use super::value::{Value, Variable};
 
-/// A sentence in which some words carry a role's colour.
+/// The sentences of a step.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Sentence(pub Vec<(String, Option<Role>)>);
+pub struct Sentence {
+    /// The cases that they tell, in their order.
+    pub cases: Vec<&'static Case>,
+    pieces: Vec<Piece>,
+}
+
+/// A part of a sentence.
+#[derive(Clone, Debug, PartialEq)]
+enum Piece {
+    /// Words, in the colour of a role if they have one.
+    Words(String, Option<Role>),
+    /// A value, alone or with its unit.
+    Value {
+        /// The value.
+        value: Box<Value>,
+        /// Whether its unit is left out.
+        is_bare: bool,
+    },
+}
+
+impl Piece {
+    fn text(&self) -> String {
+        match self {
+            Piece::Words(words, _) => words.clone(),
+            Piece::Value { value, is_bare: true } => value.bare(),
+            Piece::Value { value, is_bare: false } => value.text(),
+        }
+    }
+
+    fn role(&self) -> Option<Role> {
+        match self {
+            Piece::Words(_, role) => *role,
+            Piece::Value { value, .. } => value.role,
+        }
+    }
+}
 
 impl Sentence {
+    /// Words in their colours.
+    pub fn of_words(words: Vec<(String, Option<Role>)>) -> Self {
+        let pieces = words.into_iter().map(|(words, role)| Piece::Words(words, role)).collect();
+        Self { cases: Vec::new(), pieces }
+    }
+
     /// Adds plain words.
     #[must_use]
     pub fn text(mut self, words: impl Into<String>) -> Self {
-        self.0.push((words.into(), None));
+        self.pieces.push(Piece::Words(words.into(), None));
         self
     }
 
     /// Adds words that carry a role's colour.
     #[must_use]
     pub fn ink(mut self, role: Role, words: impl Into<String>) -> Self {
-        self.0.push((words.into(), Some(role)));
+        self.pieces.push(Piece::Words(words.into(), Some(role)));
         self
+    }
+
+    /// Adds the sentence of a case with `values`, set apart by a space. A value that is missing leaves its name in braces, which a law
+    /// looks for.
+    #[must_use]
+    pub fn say(mut self, case: &'static Case, values: &[Value]) -> Self {
+        let is_apart = self.pieces.last().is_some_and(|last| !last.text().ends_with(' '));
+        if is_apart && !case.text.starts_with([' ', ',', ';', '.', ':']) {
+            match self.pieces.last_mut() {
+                Some(Piece::Words(words, None)) => words.push(' '),
+                _ => self.pieces.push(Piece::Words(" ".into(), None)),
+            }
+        }
+        for part in parts(case.text) {
+            // A space between coloured words and a value is no piece of its own.
+            if let (Part::Words(" ", None), Some(Piece::Words(words, _))) = (part, self.pieces.last_mut()) {
+                words.push(' ');
+                continue;
+            }
+            self.pieces.push(match part {
+                Part::Words(words, role) => Piece::Words(words.into(), role),
+                Part::Value { name, is_bare } => match find(values, name) {
+                    Some(value) => Piece::Value { value: Box::new(value.clone()), is_bare },
+                    None => Piece::Words(format!("{{{name}}}"), None),
+                },
+            });
+        }
+        self.cases.push(case);
+        self
+    }
+
+    /// Adds another sentence as it is.
+    #[must_use]
+    pub fn then(mut self, other: Sentence) -> Self {
+        self.cases.extend(other.cases);
+        self.pieces.extend(other.pieces);
+        self
+    }
+
+    /// How many sentences it has.
+    pub fn count(&self) -> usize {
+        self.ends().len()
+    }
+
+    /// Its first `count` sentences, followed by “…” where there are more.
+    #[must_use]
+    pub fn first(&self, count: usize) -> Self {
+        let Some(&(last, end)) = self.ends().get(count.saturating_sub(1)).filter(|_| count < self.count()) else {
+            return self.clone();
+        };
+        let mut pieces = self.pieces[..=last].to_vec();
+        if let Some(Piece::Words(words, _)) = pieces.last_mut() {
+            words.truncate(end);
+        }
+        pieces.push(Piece::Words(" …".into(), None));
+        Self { cases: self.cases.clone(), pieces }
+    }
+
+    /// Where its sentences end: the piece, and the byte behind the full stop.
+    fn ends(&self) -> Vec<(usize, usize)> {
+        let mut ends = Vec::new();
+        for (i, piece) in self.pieces.iter().enumerate() {
+            let Piece::Words(words, _) = piece else { continue };
+            let is_last = i + 1 == self.pieces.len();
+            let at_end = words.ends_with('.').then_some(words.len());
+            ends.extend(words.match_indices(". ").map(|(at, _)| (i, at + 1)));
+            ends.extend(at_end.filter(|_| is_last || self.pieces[i + 1].text().starts_with(' ')).map(|end| (i, end)));
+        }
+        ends
+    }
+
+    /// Whether it says nothing.
+    pub fn is_empty(&self) -> bool {
+        self.pieces.is_empty()
+    }
+
+    /// Its words, each with the role whose colour it carries.
+    pub fn words(&self) -> impl DoubleEndedIterator<Item = (String, Option<Role>)> + '_ {
+        self.pieces.iter().map(|piece| (piece.text(), piece.role()))
+    }
+
+    /// The variables of its words: `None` of words that are no value.
+    pub fn variables(&self) -> impl DoubleEndedIterator<Item = Option<&'static Variable>> + '_ {
+        self.pieces.iter().map(|piece| match piece {
+            Piece::Words(..) => None,
+            Piece::Value { value, .. } => Some(value.of),
+        })
     }
 
     /// The roles of its words, each once, in their order.
     pub fn roles(&self) -> Vec<Role> {
         let mut roles = Vec::new();
-        for role in self.0.iter().filter_map(|(_, role)| *role) {
+        for role in self.pieces.iter().filter_map(Piece::role) {
             if !roles.contains(&role) {
                 roles.push(role);
             }
@@ -34,126 +164,7 @@ impl Sentence {
 
     /// The sentence without colours, with plain spaces.
     pub fn plain(&self) -> String {
-        self.0.iter().map(|(words, _)| words.replace('\u{a0}', " ")).collect()
-    }
-}
-
-/// A typeset formula.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Math {
-    /// Upright numbers and operators, in a role's colour if it has one.
-    Text(String, Option<Role>),
-    /// An italic variable.
-    Var(&'static str),
-    /// A vector or a matrix, in bold type.
-    Bold(&'static str),
-    /// One after the other.
-    Row(Vec<Math>),
-    /// A base with an index below right.
-    Sub(Box<Math>, Box<Math>),
-    /// A base with an exponent above right.
-    Sup(Box<Math>, Box<Math>),
-    /// A fraction.
-    Frac(Box<Math>, Box<Math>),
-    /// A sum sign with its running index below.
-    Sum(Box<Math>),
-    /// Between vertical bars.
-    Abs(Box<Math>),
-    /// Under a root whose bar reaches to its end.
-    Sqrt(Box<Math>),
-    /// Under a bar, as the mean of u is written.
-    Bar(Box<Math>),
-    /// Under a circumflex, as an estimate of x is written.
-    Hat(Box<Math>),
-    /// A matrix in brackets, row by row; a column vector has rows of one entry.
-    Matrix(Vec<Vec<Math>>),
-}
-
-impl Math {
-    /// Upright text.
-    pub fn text(text: impl Into<String>) -> Self {
-        Math::Text(text.into(), None)
-    }
-
-    /// Upright text in a role's colour.
-    pub fn ink(role: Role, text: impl Into<String>) -> Self {
-        Math::Text(text.into(), Some(role))
-    }
-
-    /// `base` with `index` below right.
-    pub fn indexed(base: Math, index: Math) -> Self {
-        Math::Sub(Box::new(base), Box::new(index))
-    }
-
-    /// `base` with `exponent` above right.
-    pub fn power(base: Math, exponent: Math) -> Self {
-        Math::Sup(Box::new(base), Box::new(exponent))
-    }
-
-    /// `base` squared.
-    pub fn squared(base: Math) -> Self {
-        Math::power(base, Math::text("2"))
-    }
-
-    /// `top` over `bottom`.
-    pub fn over(top: Math, bottom: Math) -> Self {
-        Math::Frac(Box::new(top), Box::new(bottom))
-    }
-
-    /// `inner` between vertical bars.
-    pub fn abs(inner: Math) -> Self {
-        Math::Abs(Box::new(inner))
-    }
-
-    /// The square root of `inner`.
-    pub fn root(inner: Math) -> Self {
-        Math::Sqrt(Box::new(inner))
-    }
-
-    /// The mean of `inner`, a bar above it.
-    pub fn mean(inner: Math) -> Self {
-        Math::Bar(Box::new(inner))
-    }
-
-    /// A column vector in brackets.
-    pub fn column(entries: impl IntoIterator<Item = Math>) -> Self {
-        Math::Matrix(entries.into_iter().map(|entry| vec![entry]).collect())
-    }
-
-    /// The formula on one line, for a screen reader or the clipboard.
-    pub fn plain(&self) -> String {
-        match self {
-            Math::Text(text, _) => text.clone(),
-            Math::Var(name) | Math::Bold(name) => (*name).into(),
-            Math::Row(parts) => parts.iter().map(Math::plain).collect(),
-            Math::Sub(base, index) => format!("{}_{}", base.plain(), index.plain()),
-            Math::Sup(base, exponent) => format!("{}^{}", base.plain(), exponent.plain()),
-            Math::Frac(top, bottom) => format!("({})/({})", top.plain(), bottom.plain()),
-            Math::Sum(index) if index.plain().is_empty() => "Σ ".into(),
-            Math::Sum(index) => format!("Σ_{} ", index.plain()),
-            Math::Abs(inner) => format!("|{}|", inner.plain()),
-            Math::Sqrt(inner) => format!("√({})", inner.plain()),
-            Math::Bar(inner) => match inner.as_ref() {
-                Math::Sub(base, index) => format!("{}_{}", overlined(&base.plain()), index.plain()),
-                inner => overlined(&inner.plain()),
-            },
-            Math::Hat(inner) => match inner.as_ref() {
-                Math::Sub(base, index) => format!("{}\u{302}_{}", base.plain(), index.plain()),
-                inner => format!("{}\u{302}", inner.plain()),
-            },
-            Math::Matrix(rows) => {
-                let row = |row: &Vec<Math>| row.iter().map(Math::plain).collect::<Vec<_>>().join(", ");
-                format!("[{}]", rows.iter().map(row).collect::<Vec<_>>().join("; "))
-            }
-        }
-    }
-}
-
-/// A letter with a macron, `ū`; of more than a letter, the mean in words.
-fn overlined(plain: &str) -> String {
-    match plain.chars().count() {
-        1 => format!("{plain}\u{304}"),
-        _ => format!("mean({plain})"),
+        self.words().map(|(words, _)| words.replace('\u{a0}', " ")).collect()
     }
 }
 
@@ -162,17 +173,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_formula_is_read_on_one_line() {
-        let u = || Math::Var("u");
-        let root = Math::root(Math::Row(vec![Math::squared(u()), Math::text(" + "), Math::squared(Math::Var("v"))]));
-        assert_eq!(root.plain(), "√(u^2 + v^2)");
-        assert_eq!(Math::mean(u()).plain(), "u\u{304}");
-        assert_eq!(Math::mean(Math::indexed(u(), Math::text("0"))).plain(), "u\u{304}_0");
-        assert_eq!(Math::mean(Math::Row(vec![u(), Math::Var("v")])).plain(), "mean(uv)");
-        let entry = |shown: &str| Math::text(shown);
-        let matrix = Math::Matrix(vec![vec![entry("a"), entry("b")], vec![entry("c"), entry("d")]]);
-        assert_eq!(matrix.plain(), "[a, b; c, d]");
-        assert_eq!(Math::column([u(), Math::Var("v")]).plain(), "[u; v]");
-        assert_eq!(Math::Bold("T").plain(), "T");
+    fn a_long_sentence_is_cut_between_sentences() {
+        let said = Sentence::default()
+            .text("The cost is ")
+            .ink(Role::Best, "3.5")
+            .text(". It is low. ")
+            .text("So it is kept.");
+        assert_eq!(said.count(), 3);
+        assert_eq!(
+            [1, 2].map(|count| said.first(count).plain()),
+            ["The cost is 3.5. …", "The cost is 3.5. It is low. …"]
+        );
+        assert_eq!([3, 4].map(|count| said.first(count)), [said.clone(), said]);
     }
 }

@@ -1,14 +1,187 @@
 //! The explanation of one step.
 
-use super::{Name, Readout, Sentence};
+use super::value::{Number, Value, Variable};
+use super::{Case, Fact, Math, Name, Readout, Sentence, latex};
 
-/// The explanation of a step: the pseudocode line, a sentence, and the numbers.
+/// The explanation of a step: the pseudocode line, its values, and what is said, written and drawn with them.
+///
+/// It is built from its line on: values are put first, then the cases and formulas that name them. What builds it is not inlined: it is
+/// called at a thousand places, none of which is in a loop.
+///
+/// ```
+/// use motionscope_core::scene::{Role, Step, Unit};
+/// motionscope_core::variables! {
+///     /// The cost of the candidate.
+///     COST: "Cost", "c", Unit::WHOLE, Role::Candidate;
+///     /// The lowest cost before.
+///     LOWEST: "Lowest cost", r"c_{\min}", Unit::WHOLE, Role::Best;
+/// }
+/// motionscope_core::cases! { over value;
+///     BELOW: "A cost of {cost} is below {lowest}.",
+/// }
+/// motionscope_core::line_names!(TEST);
+///
+/// # fn main() {
+/// let step = Step::at(TEST).fact(value::COST, 12).put(value::LOWEST, 15).say(case::BELOW);
+/// let step = step.formula(r"c = {cost} < {lowest} = c_{\min}");
+/// assert_eq!(step.sentence.plain(), "A cost of 12 is below 15.");
+/// assert_eq!(step.formulas()[0].plain(), "c = 12 < 15 = c_min");
+/// assert!(step.is(case::BELOW));
+/// # }
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
     /// The current line of [`crate::run::Info::pseudocode`].
     pub line: Name,
+    /// The named values, in the order in which they were put.
+    pub values: Vec<Value>,
     /// What happened and why, in one or two sentences.
     pub sentence: Sentence,
     /// The contents of the panels.
     pub readouts: Vec<Readout>,
+}
+
+impl Step {
+    /// A step at a line, without a word.
+    pub fn at(line: Name) -> Self {
+        Self { line, values: Vec::new(), sentence: Sentence::default(), readouts: Vec::new() }
+    }
+
+    /// The last value of a variable.
+    pub fn value(&self, of: &Variable) -> Option<&Value> {
+        self.values.iter().rev().find(|value| value.of == of)
+    }
+
+    /// The number of a variable; NaN where it has none.
+    pub fn real(&self, of: &Variable) -> f64 {
+        match self.value(of).map(|value| &value.number) {
+            Some(Number::Real(number)) => *number,
+            _ => f64::NAN,
+        }
+    }
+
+    /// Adds a value.
+    #[must_use]
+    pub fn put(self, variable: &'static Variable, number: impl Into<Number>) -> Self {
+        self.put_value(variable.is(number))
+    }
+
+    /// Adds a value whose unit or role depends on the step.
+    #[must_use]
+    #[inline(never)]
+    pub fn put_value(mut self, value: Value) -> Self {
+        self.values.push(value);
+        self
+    }
+
+    /// Adds a value that stands among the facts, too.
+    #[must_use]
+    pub fn fact(self, variable: &'static Variable, number: impl Into<Number>) -> Self {
+        self.fact_of(variable.is(number))
+    }
+
+    /// Adds a value that stands among the facts, too, and whose unit or role depends on the step.
+    #[must_use]
+    #[inline(never)]
+    pub fn fact_of(mut self, value: Value) -> Self {
+        self.facts_mut().push(Fact::of_value(&value));
+        self.put_value(value)
+    }
+
+    /// Adds a value that stands among the facts, too, where it is known.
+    #[must_use]
+    pub fn fact_if(self, variable: &'static Variable, number: Option<impl Into<Number>>) -> Self {
+        match number {
+            Some(number) => self.fact(variable, number),
+            None => self,
+        }
+    }
+
+    /// Says a case where a condition holds, with the values so far.
+    #[must_use]
+    pub fn say_if(self, holds: bool, case: &'static Case) -> Self {
+        if holds { self.say(case) } else { self }
+    }
+
+    /// Says a case, with the values so far.
+    #[must_use]
+    #[inline(never)]
+    pub fn say(mut self, case: &'static Case) -> Self {
+        self.sentence = self.sentence.say(case, &self.values);
+        self
+    }
+
+    /// Writes a formula in LaTeX, with the values so far. What cannot be read stands as it is, which a law looks for.
+    #[must_use]
+    pub fn formula(self, template: impl AsRef<str>) -> Self {
+        self.formula_of(template.as_ref())
+    }
+
+    #[inline(never)]
+    fn formula_of(mut self, template: &str) -> Self {
+        let math = latex::read(template, Some(&self.values)).unwrap_or_else(|_| Math::text(template));
+        self.formulas_mut().push(math);
+        self
+    }
+
+    /// Adds a sentence that was put together elsewhere.
+    #[must_use]
+    pub fn tell(mut self, sentence: Sentence) -> Self {
+        self.sentence = self.sentence.then(sentence);
+        self
+    }
+
+    /// Adds the content of a panel.
+    #[must_use]
+    #[inline(never)]
+    pub fn show(mut self, readout: Readout) -> Self {
+        self.readouts.push(readout);
+        self
+    }
+
+    /// Adds the contents of panels.
+    #[must_use]
+    pub fn show_all(mut self, readouts: impl IntoIterator<Item = Readout>) -> Self {
+        self.readouts.extend(readouts);
+        self
+    }
+
+    /// Whether it tells a case.
+    pub fn is(&self, case: &Case) -> bool {
+        self.sentence.cases.iter().any(|told| **told == *case)
+    }
+
+    /// The facts among the readouts.
+    pub fn facts(&self) -> &[Fact] {
+        let facts =
+            self.readouts.iter().find_map(|of| if let Readout::Facts(facts) = of { Some(&facts[..]) } else { None });
+        facts.unwrap_or_default()
+    }
+
+    /// The formulas among the readouts.
+    pub fn formulas(&self) -> &[Math] {
+        let all =
+            self.readouts.iter().find_map(|of| if let Readout::Equation(all) = of { Some(&all[..]) } else { None });
+        all.unwrap_or_default()
+    }
+
+    fn facts_mut(&mut self) -> &mut Vec<Fact> {
+        let at = self.readouts.iter().position(|readout| matches!(readout, Readout::Facts(_))).unwrap_or_else(|| {
+            self.readouts.insert(0, Readout::Facts(Vec::new()));
+            0
+        });
+        let Readout::Facts(facts) = &mut self.readouts[at] else { unreachable!("they stand there") };
+        facts
+    }
+
+    fn formulas_mut(&mut self) -> &mut Vec<Math> {
+        let is_there = |readout: &Readout| matches!(readout, Readout::Equation(_));
+        let at = self.readouts.iter().position(is_there).unwrap_or_else(|| {
+            let behind_facts = usize::from(matches!(self.readouts.first(), Some(Readout::Facts(_))));
+            self.readouts.insert(behind_facts, Readout::Equation(Vec::new()));
+            behind_facts
+        });
+        let Readout::Equation(formulas) = &mut self.readouts[at] else { unreachable!("they stand there") };
+        formulas
+    }
 }

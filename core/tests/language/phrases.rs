@@ -24,6 +24,20 @@ fn nothing_is_said_that_no_textbook_says() {
     assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), shown.join("\n"));
 }
 
+/// A value that was not put leaves its name in braces, and a formula that cannot be read stands as it is.
+#[test]
+fn no_template_is_shown_as_it_stands() {
+    let is_template = |place: &str, text: &str| match place {
+        "sentence" => text.contains(['{', '}']),
+        "equation" => text.contains(['\\', '{']),
+        _ => false,
+    };
+    for (estimator, seen) in ALL.iter() {
+        let all: Vec<_> = seen.texts.iter().filter(|(place, text)| is_template(place, text)).collect();
+        assert!(all.is_empty(), "{}: {all:?}", estimator.info().id);
+    }
+}
+
 #[test]
 fn a_quantity_has_one_number_of_decimals() {
     let faults = ALL.iter().flat_map(|(estimator, seen)| {

@@ -49,7 +49,7 @@ fn what_is_wrong_is_found() {
     let info = toy(line::ALL);
     let mut seen = Seen::default();
     let mut see = |line, said: &str| {
-        let step = Step { line, sentence: Sentence::default().text(said), readouts: Vec::new() };
+        let step = Step { sentence: Sentence::default().text(said), ..Step::at(line) };
         seen.see(&info, &step);
     };
     see(line::PREDICT, "It goes on to (1.5, 2) px.");

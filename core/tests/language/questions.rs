@@ -1,6 +1,6 @@
 //! Laws about the questions of every estimator: each is asked, each of its answers is one that a run gives.
 
-use motionscope_core::scene::{Asked, Case, Question, Reading, Sentence};
+use motionscope_core::scene::{Asked, Question, Reading, Reply, Sentence};
 use motionscope_core::{Info, Step, pseudocode};
 
 use crate::common::toy;
@@ -45,6 +45,10 @@ fn unanswered(info: &Info, question: &Question, seen: &Seen) -> Vec<String> {
                 .into_iter()
                 .collect()
         }
+        Asked::Value { line, of } => {
+            let is_there = seen.values.contains(&(line, of.name));
+            (!is_there).then(|| format!("{place}: no step of {line} has the value {}", of.name)).into_iter().collect()
+        }
         Asked::Place { line, role } => {
             let is_there = seen.marked.contains(&(line, role));
             (!is_there).then(|| format!("{place}: no step of {line} has a mark of {role:?}")).into_iter().collect()
@@ -53,10 +57,12 @@ fn unanswered(info: &Info, question: &Question, seen: &Seen) -> Vec<String> {
 }
 
 /// What a step of a case tells.
-fn told(case: &Case) -> String {
-    match case.over {
-        Some((reading, limit)) => format!("has more than {limit} after “{}”", reading.after),
-        None => format!("says “{}”", case.says),
+fn told(case: &Reply) -> String {
+    match (case.over, case.case, case.above) {
+        (Some((reading, limit)), ..) => format!("has more than {limit} after “{}”", reading.after),
+        (_, Some(case), _) => format!("tells the case {}", case.name),
+        (_, _, Some((of, limit))) => format!("has {} above {limit}", of.name),
+        _ => format!("says “{}”", case.says),
     }
 }
 
@@ -91,13 +97,13 @@ pseudocode! {
 #[test]
 fn a_limit_that_no_number_exceeds_is_found() {
     const SHARE: Reading = Reading { line: line::UPDATE, after: "covers ", before: " %", unit: "%" };
-    const MOST: &[Case] = &[Case::over(SHARE, 50.0, "Yes"), Case::says(line::UPDATE, "covers", "No")];
-    const ALL_OF_IT: &[Case] = &[Case::over(SHARE, 100.0, "Yes"), Case::says(line::UPDATE, "covers", "No")];
+    const MOST: &[Reply] = &[Reply::over(SHARE, 50.0, "Yes"), Reply::says(line::UPDATE, "covers", "No")];
+    const ALL_OF_IT: &[Reply] = &[Reply::over(SHARE, 100.0, "Yes"), Reply::says(line::UPDATE, "covers", "No")];
     let info = toy(line::ALL);
     let questions = [("most", MOST), ("all", ALL_OF_IT)].map(|(id, cases)| Question::choice(id, "Is it so?", cases));
     let mut seen = Seen::default();
     for said in ["It covers 40 % of it.", "It covers 100 % of it."] {
-        let step = Step { line: line::UPDATE, sentence: Sentence::default().text(said), readouts: Vec::new() };
+        let step = Step { sentence: Sentence::default().text(said), ..Step::at(line::UPDATE) };
         seen.decide(&questions, &step);
     }
     let found = questions.map(|question| unanswered(&info, &question, &seen));

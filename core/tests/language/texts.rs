@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use motionscope_core::params::{Kind, Spec};
-use motionscope_core::scene::{Readout, Scene, Shape};
+use motionscope_core::scene::{Readout, Scene, Shape, Value};
 use motionscope_core::{AnyEstimator, Step};
 
 /// Texts by where they stand (`sentence`, `fact`, `parameter`), each once: without its numbers.
@@ -78,7 +78,15 @@ impl Texts {
     /// Adds what a step says.
     pub fn add_step(&mut self, step: &Step) {
         self.add("sentence", &step.sentence.plain());
+        step.values.iter().for_each(|value| self.add_value(value));
         step.readouts.iter().for_each(|readout| self.add_readout(readout));
+    }
+
+    fn add_value(&mut self, value: &Value) {
+        self.add("definition", value.of.definition.trim());
+        if !value.of.label.is_empty() {
+            self.add("fact", value.of.label);
+        }
     }
 
     fn add_readout(&mut self, readout: &Readout) {

@@ -206,6 +206,8 @@ pub struct Seen {
     pub texts: Texts,
     /// The roles of the marks at the steps of each line.
     pub marked: BTreeSet<(Name, Role)>,
+    /// The values of the steps of each line, by their names.
+    pub values: BTreeSet<(Name, &'static str)>,
     /// The cases of questions that steps are: the id of the question and the index of its first case that holds.
     pub cases: BTreeSet<(&'static str, usize)>,
     /// The questions that are asked when it is walked event by event.
@@ -248,6 +250,9 @@ impl Seen {
             self.see(info, &now.0);
             self.decide(questions, &now.0);
             self.texts.add_scene(&now.1);
+            self.values.extend(
+                now.0.values.iter().filter(|value| value.rounded().is_some()).map(|value| (now.0.line, value.of.name)),
+            );
             self.marked.extend(now.1.marks.iter().map(|mark| (now.0.line, mark.role)));
             let [shown, next] = [&before, &now].map(|(step, scene)| Shown { step, scene });
             let turn = self.turn;

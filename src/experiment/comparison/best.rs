@@ -69,6 +69,8 @@ mod tests {
         assert_eq!(column("psnr_db").best(&scores), [false, true]);
         let counts = [1.0, 2.0].map(|value| row("diamond", value, &[]));
         assert_eq!(column("frame_kb").best(&counts), [false, false], "neither is better");
+        assert_eq!(column("residual_kb").better, Some(Better::Smaller));
+        assert_eq!(column("vectors_kb").better, None, "no motion costs no bits");
     }
 
     #[test]

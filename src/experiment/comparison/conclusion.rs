@@ -22,9 +22,10 @@ pub fn reference<R: Borrow<Row>>(rows: &[R]) -> usize {
     rows.iter().position(|row| row.borrow().id() == first::EXHAUSTIVE).unwrap_or(0)
 }
 
-/// Returns what `row` costs and how good it is beside `reference`: `46 × fewer candidates, EPE 0.14 px worse`.
+/// Returns what `row` costs and how good it is beside `reference`: `46 × fewer candidates, EPE 0.14 px worse, 9.5 % of the minima missed`.
 pub fn against(row: &Row, reference: &Row) -> String {
-    let parts: Vec<_> = [cost(row, reference), quality(row, reference)].into_iter().flatten().collect();
+    let parts = [cost(row, reference), quality(row, reference), missed(row, reference)];
+    let parts: Vec<_> = parts.into_iter().flatten().collect();
     if parts.is_empty() { "no number in common".to_owned() } else { parts.join(", ") }
 }
 
@@ -69,7 +70,8 @@ fn ratio(a: f64, b: f64) -> Option<String> {
     Some(text).filter(|text| text != "1.0")
 }
 
-/// The quality, by the first column that both have: against ground truth, if possible.
+/// The quality, by the first column that both have: against ground truth, if possible. Where that hardly tells them apart, also by the
+/// next column that does.
 fn quality(row: &Row, reference: &Row) -> Option<String> {
     let known = |column: &Column| [row, reference].map(|of| column.shown(of));
     let is_known = |column: &Column| known(column).iter().any(Option::is_some);
@@ -78,25 +80,48 @@ fn quality(row: &Row, reference: &Row) -> Option<String> {
     let is_first = |column: &Column| {
         is_known(column) && (!known(column).contains(&None) || column.is_against_truth() && may_be_of_both(column))
     };
-    let (column, better) = measured().find(|(column, _)| is_first(column))?;
-    let (name, unit) = name_and_unit(column.heading);
+    let mut columns = measured();
+    let (column, better) = columns.find(|(column, _)| is_first(column))?;
+    let (name, _) = name_and_unit(column.heading);
     let (own, other) = match known(&column) {
         [Some(own), Some(other)] => (own, other),
         [Some(_), None] => return Some(format!("{} has no {name}", reference.estimator.info().name)),
         [None, _] => return Some(format!("no {name}")),
     };
-    let difference = fixed((own - other).abs(), column.digits);
-    let is_better = (own < other) == (better == Better::Smaller);
-    let is_length = ["px", "m"].contains(&unit.trim());
-    let is_slight = is_length && (own - other).abs() < SLIGHT * own.abs().max(other.abs());
-    let said = match own == other {
-        true => format!("the same {name}"),
-        false => {
-            let verdict = if is_better { "better" } else { "worse" };
-            format!("{name} {difference}{unit} {verdict}{}", if is_slight { " (less than 1 %)" } else { "" })
-        }
-    };
-    Some(said + &elsewhere(&column, row, reference))
+    let said = difference((&column, better), own, other) + &elsewhere(&column, row, reference);
+    if !is_slight(&column, own, other) {
+        return Some(said);
+    }
+    let next = columns.find_map(|(column, better)| match known(&column) {
+        [Some(own), Some(other)] if !is_slight(&column, own, other) => Some(difference((&column, better), own, other)),
+        _ => None,
+    });
+    Some(said + &next.map_or_else(String::new, |next| format!(", {next}")))
+}
+
+/// Whether two numbers of a column are the same, or two lengths nearly so.
+fn is_slight(column: &Column, own: f64, other: f64) -> bool {
+    let is_length = ["px", "m"].contains(&name_and_unit(column.heading).1.trim());
+    own == other || is_length && (own - other).abs() < SLIGHT * own.abs().max(other.abs())
+}
+
+/// How much better or worse a number is.
+fn difference((column, better): (&Column, Better), own: f64, other: f64) -> String {
+    let (name, unit) = name_and_unit(column.heading);
+    if own == other {
+        return format!("the same {name}");
+    }
+    let verdict = if (own < other) == (better == Better::Smaller) { "better" } else { "worse" };
+    let slight = if is_slight(column, own, other) { " (less than 1 %)" } else { "" };
+    format!("{name} {}{unit} {verdict}{slight}", fixed((own - other).abs(), column.digits))
+}
+
+/// The share of the global minima that a block search misses, where the reference misses another one.
+fn missed(row: &Row, reference: &Row) -> Option<String> {
+    let column = all_columns().into_iter().find(|column| column.name == "missed_percent")?;
+    let (own, other) = (column.shown(row)?, column.shown(reference)?);
+    let instead = if other > 0.0 { format!(" instead of {}", column.text(reference)) } else { String::new() };
+    (own != other).then(|| format!("{}{instead} % of the minima missed", column.text(row)))
 }
 
 /// The columns of measures in which a number can be better, those against ground truth first.
@@ -203,13 +228,34 @@ mod tests {
     #[test]
     fn the_truth_decides_before_other_measures_and_a_share_differs_by_points() {
         let [a, b] = [30.0, 31.5].map(|psnr| row("diamond", 5.0, &[(&PSNR, psnr), (&EPE, 1.0)]));
-        assert_eq!(quality(&a, &b).as_deref(), Some("the same EPE"));
+        assert_eq!(quality(&a, &b).as_deref(), Some("the same EPE, PSNR 1.50 dB worse"));
+        let [a, b] = [30.0, 31.5].map(|psnr| row("diamond", 5.0, &[(&PSNR, psnr), (&EPE, psnr)]));
+        assert_eq!(quality(&a, &b).as_deref(), Some("EPE 1.500 px better"), "the truth tells them apart");
         let [a, b] = [30.0, 31.5].map(|psnr| row("diamond", 5.0, &[(&PSNR, psnr)]));
         assert_eq!(quality(&a, &b).as_deref(), Some("PSNR 1.50 dB worse"));
         let [near, far] = [0.634, 0.637].map(|epe| row("diamond", 5.0, &[(&EPE, epe)]));
         assert_eq!(quality(&near, &far).as_deref(), Some("EPE 0.003 px better (less than 1 %)"));
         assert_eq!(name_and_unit("bad 3 %"), ("bad 3", " percentage points"));
         assert_eq!(name_and_unit("mask F₁"), ("mask F₁", ""));
+    }
+
+    #[test]
+    fn a_search_is_told_with_the_minima_that_it_misses() {
+        let missing = |missed: usize, epe: f64| {
+            let mut row = row("diamond", 5.0, &[(&EPE, epe)]);
+            let blocks = row.figures.blocks.as_mut().expect("blocks");
+            blocks.missed = Some((0..missed).collect());
+            row
+        };
+        let full = missing(0, 0.634);
+        let one = missing(1, 0.534);
+        assert_eq!(
+            against(&one, &full),
+            "as many candidates, EPE 0.100 px better, 25.0 % of the minima missed",
+            "of one of 4 blocks"
+        );
+        assert!(against(&missing(2, 0.6), &one).ends_with(", 50.0 instead of 25.0 % of the minima missed"));
+        assert!(against(&missing(0, 0.7), &full).ends_with("worse"), "neither misses any");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use motionscope_core::glossary::{Term, occurrences};
-use motionscope_core::scene::{Fact, Math, Readout, Sentence};
+use motionscope_core::scene::{Fact, Math, Readout, Sentence, Variable};
 use motionscope_core::{Info, Role, Step, pseudocode as code};
 
 use super::super::legend::{self, SWATCH, Sample};
@@ -52,13 +52,15 @@ pub struct Block {
     pub symbols: Vec<(Rect, String)>,
     /// Where words and numbers stand in the colour of a role; what is broken over two lines is there twice.
     pub roles: Vec<(Rect, Role)>,
+    /// Where values stand; one that is broken over two lines is there twice.
+    pub values: Vec<(Rect, &'static Variable)>,
 }
 
 impl Block {
     /// The same block elsewhere.
     #[must_use]
     pub fn moved(self, by: Point) -> Self {
-        let Self { size, primitives, lines, terms, symbols, roles } = self;
+        let Self { size, primitives, lines, terms, symbols, roles, values } = self;
         Self {
             size,
             primitives: primitives.into_iter().map(|primitive| primitive.moved(by)).collect(),
@@ -66,6 +68,7 @@ impl Block {
             terms: terms.into_iter().map(|(rect, term)| (rect.moved(by), term)).collect(),
             symbols: symbols.into_iter().map(|(rect, name)| (rect.moved(by), name)).collect(),
             roles: roles.into_iter().map(|(rect, role)| (rect.moved(by), role)).collect(),
+            values: values.into_iter().map(|(rect, of)| (rect.moved(by), of)).collect(),
         }
     }
 
@@ -75,13 +78,14 @@ impl Block {
             return;
         }
         let down = if self.size[1] > 0.0 { self.size[1] + gap } else { 0.0 };
-        let Block { size, primitives, lines, terms, symbols, roles } = other.moved([0.0, down]);
+        let Block { size, primitives, lines, terms, symbols, roles, values } = other.moved([0.0, down]);
         self.size = [self.size[0].max(size[0]), down + size[1]];
         self.primitives.extend(primitives);
         self.lines.extend(lines);
         self.terms.extend(terms);
         self.symbols.extend(symbols);
         self.roles.extend(roles);
+        self.values.extend(values);
     }
 }
 
@@ -254,14 +258,16 @@ pub fn sentence(sentence: &Sentence, (width, density): (f32, Density), theme: Th
         None => Run::new(words, theme.chrome().text),
         Some(role) => Run::new(words, theme.word(role)).underlined(theme.stroke(role)),
     };
-    let runs: Vec<_> = sentence.0.iter().map(run).collect();
+    let all_words: Vec<_> = sentence.words().collect();
+    let runs: Vec<_> = all_words.iter().map(run).collect();
     let (mut block, all) = words(&runs, width, density);
     let mut end = 0;
-    for (words, role) in &sentence.0 {
+    for ((words, role), of) in all_words.iter().zip(sentence.variables()) {
         let start = end;
         end += words.len();
-        let places = role.iter().flat_map(|role| rects(&all, &(start..end)).into_iter().map(|rect| (rect, *role)));
-        block.roles.extend(places);
+        let places = rects(&all, &(start..end));
+        block.roles.extend(role.iter().flat_map(|role| places.iter().map(|rect| (*rect, *role))));
+        block.values.extend(of.iter().flat_map(|of| places.iter().map(|rect| (*rect, *of))));
     }
     block.lines = vec![(Rect::new([0.0; 2], block.size), sentence.plain())];
     block
@@ -302,11 +308,12 @@ pub fn equation<'a>(formulas: impl Into<Since<'a, Math>>, (width, density): (f32
         let lines = vec![(Rect::new([0.0; 2], size), math.plain())];
         let symbols = formula.symbols.iter().map(|(rect, name)| (rect.moved(down), name.clone())).collect();
         let roles = formula.roles().map(|(rect, role)| (rect.moved(down), role)).collect();
+        let values = formula.values.iter().map(|(rect, of)| (rect.moved(down), *of)).collect();
         let mut canvas = Canvas::default();
         canvas.extend(formula.primitives([0.0; 2], theme));
         lit.iter().for_each(|rect| light(&mut canvas, rect.moved(down), theme));
         let primitives = canvas.into_primitives();
-        block.put_below(Block { size, primitives, lines, symbols, roles, ..Block::default() }, 5.0);
+        block.put_below(Block { size, primitives, lines, symbols, roles, values, ..Block::default() }, 5.0);
     }
     block
 }
@@ -483,7 +490,12 @@ mod tests {
         ];
         let sentence = Sentence::default().text("Candidate ").ink(Role::Candidate, "(−3, 2)").text(" costs 812.");
         let formula = Math::Row(vec![Math::text("SAD"), Math::text(" = "), Math::ink(Role::Candidate, "812")]);
-        Step { line, sentence, readouts: vec![Readout::Facts(facts), Readout::Equation(vec![formula])] }
+        Step {
+            values: Vec::new(),
+            line,
+            sentence,
+            readouts: vec![Readout::Facts(facts), Readout::Equation(vec![formula])],
+        }
     }
 
     fn style() -> ChartStyle {

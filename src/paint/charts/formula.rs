@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use motionscope_core::Role;
-use motionscope_core::scene::Math;
+use motionscope_core::scene::{Math, Variable};
 
 use super::super::primitive::{Anchor, Line, Point, Primitive, Rect, Run};
 use super::super::{Face, Theme, fonts};
@@ -90,6 +90,8 @@ pub struct Formula {
     pub pieces: Vec<Piece>,
     /// Where each symbol stands and what it is in plain letters; one with an index comes before its letter.
     pub symbols: Vec<(Rect, String)>,
+    /// Where each value stands.
+    pub values: Vec<(Rect, &'static Variable)>,
 }
 
 impl Formula {
@@ -121,6 +123,7 @@ impl Formula {
         other.pieces.iter_mut().for_each(|piece| piece.shift(at));
         self.pieces.append(&mut other.pieces);
         self.symbols.extend(other.symbols.into_iter().map(|(rect, name)| (rect.moved(at), name)));
+        self.values.extend(other.values.into_iter().map(|(rect, of)| (rect.moved(at), of)));
         self.width = self.width.max(at[0] + other.width);
         self.ascent = self.ascent.max(other.ascent - at[1]);
         self.descent = self.descent.max(other.descent + at[1]);
@@ -310,6 +313,11 @@ impl Setter<'_> {
     fn set(&mut self, math: &Math, size: f32) -> Formula {
         match math {
             Math::Text(text, role) => self.text(text, size, Face::Sans, *role),
+            Math::Value(value, style) => {
+                let mut set = self.text(&style.text(value), size, Face::Sans, value.role);
+                set.values.push((Rect::between([0.0, -set.ascent], [set.width, set.descent]), value.of));
+                set
+            }
             Math::Var(name) => self.text(name, size, Face::Italic, None),
             Math::Bold(name) => self.text(name, size, Face::Bold, None),
             Math::Row(parts) => self.row(parts, size),
@@ -336,7 +344,7 @@ impl Setter<'_> {
         let corners = vec![[gap, -up], [right, -up], [right, down], [gap, down], [gap, -up]];
         let pieces = vec![Piece::Stroke(corners, line)];
         let (ascent, descent) = (up + line, down + line);
-        Formula { width: right + gap, ascent, descent, pieces, symbols: Vec::new() }
+        Formula { width: right + gap, ascent, descent, pieces, symbols: Vec::new(), values: Vec::new() }
     }
 
     fn text(&mut self, text: &str, size_pt: f32, face: Face, role: Option<Role>) -> Formula {
@@ -350,7 +358,7 @@ impl Setter<'_> {
         if text.contains(char::is_alphabetic) {
             symbols.push((Rect::between([0.0, -ascent], [width, descent]), text.trim().to_owned()));
         }
-        Formula { width, ascent, descent, pieces: vec![piece], symbols }
+        Formula { width, ascent, descent, pieces: vec![piece], symbols, values: Vec::new() }
     }
 
     fn row(&mut self, parts: &[Math], size: f32) -> Formula {

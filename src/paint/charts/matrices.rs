@@ -89,6 +89,7 @@ fn by_weight(matrices: &[Matrix], formula: &[Math]) -> Vec<usize> {
 fn symbols(math: &Math) -> Vec<String> {
     match math {
         Math::Text(text, _) => words(text),
+        Math::Value(value, style) => words(&style.text(value)),
         Math::Var(name) | Math::Bold(name) => words(name),
         Math::Row(parts) => parts.iter().flat_map(symbols).collect(),
         Math::Sub(first, second) | Math::Sup(first, second) | Math::Frac(first, second) => {

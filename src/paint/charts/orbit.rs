@@ -116,6 +116,16 @@ impl Screen {
         let (center, half) = (middle(&self.rect), self.rect.size().map(|side| side / 2.0));
         ([center[0] + clip.x * half[0], center[1] - clip.y * half[1]], clip.z)
     }
+
+    /// The same camera over a `part` of its rectangle.
+    pub fn cut(&self, part: Rect) -> Self {
+        let [center, middle] = [&self.rect, &part].map(middle);
+        let [whole, size] = [self.rect.size(), part.size()];
+        let [x, y] = [0, 1].map(|i| 2.0 * (center[i] - middle[i]) / whole[i]);
+        let closer = Mat4::from_scale(Vec3::new(whole[0] / size[0], whole[1] / size[1], 1.0));
+        let moved = Mat4::from_translation(Vec3::new(x, -y, 0.0));
+        Self { rect: part, clip_from_world: closer * moved * self.clip_from_world }
+    }
 }
 
 #[cfg(test)]
@@ -136,6 +146,16 @@ mod tests {
         assert!(at(0.0, 0.0, 1.0).0[1] > at(0.0, 0.0, -1.0).0[1], "v towards the eye");
         assert!(at(0.0, 0.0, 1.0).1 < at(0.0, 0.0, -1.0).1, "and nearer");
         assert!((at(0.0, 0.4, 0.0).0[0] - middle(&screen.rect)[0]).abs() < 1e-2);
+    }
+
+    #[test]
+    fn a_part_of_a_screen_shows_everything_where_the_whole_does() {
+        let whole = screen(&Orbit::default());
+        let part = whole.cut(Rect::new([90.0, 130.0], [320.0, 128.0]));
+        for place in [[-1.0, 0.0, -1.0], [1.0, 0.5, 1.0], [0.3, 1.0, -0.2]] {
+            let [(a, depth), (b, other)] = [whole, part].map(|screen| screen.project(place.into()));
+            assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 1e-2 && (depth - other).abs() < 1e-5, "{a:?} {b:?}");
+        }
     }
 
     #[test]

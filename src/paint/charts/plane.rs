@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use motionscope_core::scene::{Constraint, Plane, Spread};
+use motionscope_core::scene::{Constraint, Plane, PlaneCost, Spread};
 use motionscope_core::{Grid, Role, fixed};
 
 use super::super::primitive::{Anchor, Point, Primitive, Rect, Run};
@@ -242,8 +242,10 @@ pub fn head(
             }
         }
         None => {
-            let what = beyond(plane, square).unwrap_or_else(|| plane.unit.clone());
-            titled(whose, &format!("{}, {what}", plane.title), (text.size, width))
+            let has_gaps = plane.cost.as_ref().is_some_and(PlaneCost::has_gaps);
+            let gaps = has_gaps.then(|| "blank where the window leaves the picture".to_owned());
+            let more = beyond(plane, square).or(gaps).map_or_else(String::new, |what| format!(", {what}"));
+            titled(whose, &format!("{}{more}", plane.title), (text.size, width))
         }
     };
     // Rather where the lines are than what is shown.
@@ -378,7 +380,7 @@ fn axes(canvas: &mut Canvas, (square, edge): (&Square, f32), (plane, is_near): (
     let words = format!("u, {} →", plane.unit);
     if square.is_tight {
         let x = right + 1.4 * small;
-        // The title has the unit as well.
+        // The other axis has the unit as well.
         let words = if x + name.width(&words) <= edge { words } else { "u →".to_owned() };
         canvas.text([x, bottom + 4.0], (Anchor::Start, Level::Top), &words, name);
     } else {
@@ -580,8 +582,6 @@ pub fn summary(plane: &Plane) -> String {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::scene::PlaneCost;
-
     use super::super::super::ColorMap;
     use super::super::{flat, texts};
     use super::*;
@@ -631,7 +631,7 @@ mod tests {
         let is_line = |points: &Vec<Point>| points.len() == 2 && ends.iter().all(|end| points.contains(end));
         assert!(primitives.iter().any(|p| matches!(p, Primitive::Polyline { points, .. } if is_line(points))));
         let words = texts(&primitives);
-        for label in ["u, px →", "v, px ↓", "−2", "2", "Normal flow · Gradient constraint, px"] {
+        for label in ["u, px →", "v, px ↓", "−2", "2", "Normal flow · Gradient constraint"] {
             assert!(words.iter().any(|word| word == label), "{label} is missing in {words:?}");
         }
     }
@@ -661,6 +661,21 @@ mod tests {
         assert!(!drawn(&Plane { points: many, ..plane() }, area).place.is_direct);
     }
 
+    #[test]
+    fn a_cost_with_gaps_says_why() {
+        let cost = |known: fn(f32) -> bool| {
+            let cost = |[u, v]: [f32; 2]| if known(u) { u * u + v * v } else { f32::NAN };
+            let cost = PlaneCost::sampled(("mean squared difference", ""), ([0.0; 2], 2.0), 225, cost);
+            Plane { cost: Some(cost), ..plane() }
+        };
+        let head = |plane: &Plane| {
+            let data = Shown { plane, whose: "", window: None };
+            texts(&draw(data, Rect::new([0.0; 2], [640.0, 400.0]), style()).head).concat()
+        };
+        assert_eq!(head(&cost(|u| u > 0.0)), "Gradient constraint, blank where the window leaves the picture");
+        assert_eq!(head(&cost(|_| true)), "Gradient constraint");
+    }
+
     fn with_line_at(distance: f32) -> Plane {
         let line = Constraint { factors: [0.6, 0.8, -distance], weight: 1.0, role: Role::Candidate };
         Plane { lines: vec![line], ..plane() }
@@ -681,7 +696,7 @@ mod tests {
                 ends.iter().all(|end| square.displacement(*end).is_some()
                     || square.rect.grown(0.1).meets(&Rect::new(*end, [0.01; 2])))
             );
-            assert!(head.ends_with(", px"), "{head}");
+            assert!(head.ends_with("Gradient constraint"), "the axes have the unit: {head}");
         }
         let plane = with_line_at(12.0);
         let (square, head, primitives) = drawn(&plane);

@@ -1,6 +1,7 @@
 //! The words of a page: Markdown with formulas.
 
 use motionscope_core::Error;
+use motionscope_core::scene::latex;
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
 
 use super::formula;
@@ -48,7 +49,7 @@ impl Reader {
             }
             Event::DisplayMath(text) => {
                 self.end_words();
-                self.parts.push(Part::Formula(formula::parse(text.trim())?));
+                self.parts.push(Part::Formula(latex::parse(text.trim())?));
             }
             Event::Start(tag) => self.start(tag)?,
             Event::End(tag) => self.end(tag),

@@ -275,7 +275,8 @@ impl App {
         let shown = self.view.shown.clone();
         let scene = shown.as_ref().map(|shown| Arc::clone(&shown.scene)).unwrap_or_default();
         let beside = Beside::new(&scene, shown.as_ref().map_or("", |shown| shown.info.family), theme);
-        let input = lesson::Input { open, theme, back, beside: &beside };
+        let is_presented = self.presentation.is_on;
+        let input = lesson::Input { open, theme, back, beside: &beside, is_presented };
         self.states.lesson.has_notes_elsewhere = self.presentation.presenter.is_some();
         lesson::show(ui, page, input, &mut self.states.lesson, actions);
         self.states.stage.point_out(beside.pointed());

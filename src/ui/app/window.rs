@@ -443,8 +443,7 @@ impl App {
 
     fn panels(&mut self, ui: &mut Ui, gpu: Option<&RenderState>, actions: &mut Actions) {
         let is_lecture = self.mode().is_lecture();
-        let fill = ui.visuals().panel_fill;
-        let bar = |x, y| Frame::new().fill(fill).inner_margin(Margin::symmetric(x, y));
+        let bar = |x, y| Frame::new().inner_margin(Margin::symmetric(x, y));
         let top = if is_lecture { 4 } else { 6 };
         let mut regions = Vec::new();
         if self.presentation.is_on {
@@ -748,7 +747,10 @@ impl eframe::App for App {
             focus::travel(&ctx, &self.regions);
         }
         keys::take(&ctx, overlaid, &self.now(), &mut actions);
-        ui.painter().rect_filled(ui.max_rect(), 0.0, ui.visuals().panel_fill);
+        // The window is cleared in this colour; where the card takes that for a linear one, or there is none, it is filled.
+        if frame.wgpu_render_state().is_none_or(|card| card.target_format.is_srgb()) {
+            ui.painter().rect_filled(ui.max_rect(), 0.0, ui.visuals().panel_fill);
+        }
         match self.start {
             Some(_) => {
                 self.regions = vec![(Region::Start, ui.max_rect())];

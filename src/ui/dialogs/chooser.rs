@@ -178,11 +178,11 @@ impl State {
             Part { reason: merit.words(), entries }
         };
         let parts: Vec<Part> = Merit::ALL.map(of).into_iter().filter(|part| !part.entries.is_empty()).collect();
-        let suits = Group { heading: "Suits this clip", parts };
+        let suits = Group { heading: "Especially suited to this clip", parts };
         (!is_asked && !suits.parts.is_empty()).then_some(suits).into_iter().chain(families).collect()
     }
 
-    /// What the query finds by name; where there is none, by what it is about, or else by the letters of its name.
+    /// What the query finds by name; where there is none, by what it is about, even if misspelt, or else by the letters of its name.
     fn found(&self) -> Vec<usize> {
         let kind = |place: Place| place.min(Place::Beside);
         let all = self.all.iter().enumerate();
@@ -434,7 +434,7 @@ mod tests {
         for clip in ["synth:pillar", "synth:still-life"] {
             let state = State::new(&on(clip), Purpose::Run, "", false);
             let groups = state.groups();
-            assert_eq!(groups[0].heading, "Suits this clip");
+            assert_eq!(groups[0].heading, "Especially suited to this clip");
             let listed: Vec<_> = groups[1..].iter().flat_map(|group| names(&state, group)).collect();
             let all: Vec<_> = estimators().iter().map(|estimator| estimator.info().name).collect();
             assert_eq!(listed, all);
@@ -463,6 +463,9 @@ mod tests {
         assert!(found("tracker").0.to_lowercase().contains("tracker"), "{:?}", found("tracker"));
         assert_eq!(found("optical flow").1.len(), 9, "a family");
         assert!(found("aperture").1.contains(&"Normal flow"), "{:?}", found("aperture"));
+        let occluded = found("occlu").1;
+        let slipped = found("oclu").1;
+        assert!(!occluded.is_empty() && occluded.iter().all(|name| slipped.contains(name)), "{slipped:?}");
         assert_eq!(found("qqqq"), ("", vec![]));
     }
 

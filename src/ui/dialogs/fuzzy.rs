@@ -1,5 +1,10 @@
 //! Finds what a few letters mean.
 
+use crate::search::is_one_slip;
+
+/// The shortest word that may be misspelt, in letters: shorter ones are initials.
+const SHORTEST: usize = 4;
+
 /// What something is found by.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Words<'a> {
@@ -23,6 +28,8 @@ pub type Rank = (Place, i32);
 pub enum Place {
     /// Nowhere: its letters are strewn over a name.
     Strewn,
+    /// In everything together, but for a slip in a word.
+    Misspelt,
     /// In everything together.
     About,
     /// In the name together with the kind, and the menu or the name for scripts.
@@ -49,6 +56,7 @@ pub fn rank(query: &str, Words { name, also, kind, tags, about }: Words<'_>) -> 
         () if mentions(query, name) => Place::Name,
         () if mentions(query, &beside) => Place::Beside,
         () if mentions(query, &format!("{beside} {tags} {about}")) => Place::About,
+        () if nearly_mentions(query, &format!("{beside} {tags} {about}")) => Place::Misspelt,
         () => return Some((Place::Strewn, score?)),
     };
     Some((place, score.unwrap_or_default()))
@@ -76,6 +84,21 @@ fn mentions(query: &str, text: &str) -> bool {
         text.match_indices(word).any(|(at, _)| !text[..at].chars().next_back().is_some_and(char::is_alphanumeric))
     };
     query.split_whitespace().count() > 0 && query.split_whitespace().all(begins)
+}
+
+/// Whether every word of `query` begins a word of `text`, or does but for a slip after its first letter: `oclu` is a misspelt `occlusion`.
+fn nearly_mentions(query: &str, text: &str) -> bool {
+    let (query, text) = (plain(query), plain(text));
+    let is_near = |typed: &str| {
+        let (first, count) = (typed.chars().next(), typed.chars().count());
+        let begins = |word: &str| {
+            let end = |letters: usize| word.char_indices().nth(letters).map_or(word.len(), |(end, _)| end);
+            (count - 1..=count + 1).any(|letters| is_one_slip(typed, &word[..end(letters)]))
+        };
+        let mut words = text.split(|c: char| !c.is_alphanumeric());
+        mentions(typed, &text) || count >= SHORTEST && words.any(|word| word.chars().next() == first && begins(word))
+    };
+    query.split_whitespace().count() > 0 && query.split_whitespace().all(is_near)
 }
 
 /// Whether `text` begins with `query`.
@@ -124,7 +147,7 @@ fn from(letters: &[char], text: &[char], start: usize) -> Option<i32> {
 
 #[cfg(test)]
 mod tests {
-    use super::{mentions, score};
+    use super::{mentions, nearly_mentions, score};
 
     #[test]
     fn a_text_is_about_the_words_that_begin_in_it() {
@@ -132,6 +155,17 @@ mod tests {
         assert!(
             !mentions("evels", "Levels of the pyramid.") && !mentions(" ", "Levels") && !mentions("level up", "Levels")
         );
+    }
+
+    #[test]
+    fn a_word_with_a_slip_is_found_by_its_beginning() {
+        let text = "Fills occlusions of the left view.";
+        for typed in ["oclu", "ocllu", "occul", "ocxlu", "oclusions", "left oclu"] {
+            assert!(nearly_mentions(typed, text) && !mentions(typed, text), "{typed}");
+        }
+        for other in ["ocl", "cclu", "oqlx", "oclu right", ""] {
+            assert!(!nearly_mentions(other, text), "{other}");
+        }
     }
 
     #[test]

@@ -87,7 +87,7 @@ impl Open {
 
     /// Returns the unit of the number that is asked for; empty if none is.
     pub fn unit(&self) -> &'static str {
-        if let Asked::Number(reading) = self.question.asked { reading.unit } else { "" }
+        self.question.unit()
     }
 
     /// Returns how the guesses compare with the answer; `None` until it is revealed.
@@ -321,5 +321,5 @@ pub fn asks_for_place(question: &Question) -> bool {
 
 /// Whether a question is answered by a number.
 pub fn asks_for_number(question: &Question) -> bool {
-    matches!(question.asked, Asked::Number(_))
+    matches!(question.asked, Asked::Number(_) | Asked::Value { .. })
 }

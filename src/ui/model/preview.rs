@@ -57,7 +57,7 @@ pub fn stopped(preview: &Snapshot) -> Snapshot {
 /// Returns the step before the first.
 fn step(subject: &Prepared, sentence: &str) -> Step {
     let line = subject.experiment.estimator.info().pseudocode[0].name;
-    Step { line, sentence: Sentence::default().text(sentence), readouts: Vec::new() }
+    Step { values: Vec::new(), line, sentence: Sentence::default().text(sentence), readouts: Vec::new() }
 }
 
 /// Returns the boxes of the clip's detections.

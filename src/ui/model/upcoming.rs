@@ -185,16 +185,8 @@ impl Worker {
 
 /// Goes to the step after `wanted`, as a key press does, which passes over steps at which nothing happens.
 fn step_after(walk: &mut dyn Walk, wanted: &Wanted, superseded: &Stop) -> Option<Result<Option<Next>, Error>> {
-    let travel = |walk: &mut dyn Walk, to: Move| {
-        walk.go(to);
-        while !walk.work(&mut || !superseded.is_set()) {
-            if superseded.is_set() {
-                return false;
-            }
-        }
-        true
-    };
-    if walk.cursor() != wanted.cursor && !travel(walk, Move::To(wanted.cursor)) {
+    let is_wanted = || !superseded.is_set();
+    if walk.cursor() != wanted.cursor && !walk.jump_while(Move::To(wanted.cursor), &is_wanted) {
         return None;
     }
     if walk.at_end() {
@@ -203,7 +195,7 @@ fn step_after(walk: &mut dyn Walk, wanted: &Wanted, superseded: &Stop) -> Option
     let on = Move::Granularity(wanted.granularity, Direction::Forward);
     loop {
         let before = walk.cursor();
-        if !travel(walk, on) {
+        if !walk.jump_while(on, &is_wanted) {
             return None;
         }
         if !walk.is_idle() || walk.at_end() || walk.cursor() == before {

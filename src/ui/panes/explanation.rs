@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use eframe::egui::{self, Painter, Rect, Sense, Shape, Ui, Vec2, vec2};
-use motionscope_core::scene::{Fact, Math};
+use motionscope_core::scene::{Fact, Math, Value};
 use motionscope_core::{Info, Step};
 
 use crate::paint::Theme;
@@ -105,10 +105,11 @@ pub(super) struct Part {
 }
 
 impl Part {
-    pub(super) fn new(painter: &Painter, block: Block, family: &str) -> Self {
+    /// `told` are the values of the step and the family of its estimator.
+    pub(super) fn new(painter: &Painter, block: Block, told: (&[Value], &str)) -> Self {
         // What is scrolled out of sight now may come into it later.
         let painter = unclipped(painter);
-        let links = glossary::links(&block, family);
+        let links = glossary::links(&block, told);
         let lines = block.lines.into_iter().map(|(rect, words)| (rect_from(rect), words)).collect();
         Self { size: block.size.into(), shapes: primitives::shapes(&painter, &block.primitives), lines, links }
     }
@@ -157,7 +158,7 @@ impl Parts {
     fn new(painter: &Painter, input: Input<'_>, key: Key) -> Self {
         let Input { info, step, theme, .. } = input;
         let (width, density) = (key.width as f32, key.density);
-        let part = |block| Part::new(painter, block, info.family);
+        let part = |block| Part::new(painter, block, (&step.values, info.family));
         let line = |text: &str| explanation::code_line(text.trim_start(), Light::AtWork, width, theme);
         let pinned = info.line(step.line).map(|i| line(info.pseudocode[i].text)).unwrap_or_default();
         let highest = info.pseudocode.iter().map(|code| line(code.text).size[1]).fold(0.0, f32::max);
@@ -322,6 +323,8 @@ type Placed<Content> = (Vec2, Content);
 /// The room of the strip.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StripRoom {
+    /// Whether it is read in the last row: rather shortened than small.
+    pub is_presented: bool,
     /// The most height that it can have, in points.
     pub most: f32,
     /// Its type, in points.
@@ -431,17 +434,28 @@ fn strip_parts(painter: &Painter, input: Input<'_>, (width, room): (f32, StripRo
     let once = Since { now: &once, before: &once_before };
     let brief = Since { now: &brief, before: &brief_before };
     let whole = [(&TYPE_SHARES[0], formula), (&TYPE_SHARES[0], once)];
-    let mut columns = Vec::new();
-    for (share, formula) in whole.into_iter().chain(TYPE_SHARES.iter().map(|share| (share, brief))) {
-        columns = match room.is_column {
-            true => strip_rows((input, formula), (width, at(share)), room),
-            false => strip_columns((input, formula), (width, at(share)), room),
-        };
-        if height(&columns, width) <= room.most {
-            break;
-        }
-    }
-    columns.into_iter().map(|(at, block)| (at, Part::new(painter, block, input.info.family))).collect()
+    let laid_out = |input: Input<'_>, share: &f32, formula| match room.is_column {
+        true => strip_rows((input, formula), (width, at(share)), room),
+        false => strip_columns((input, formula), (width, at(share)), room),
+    };
+    let fits = |columns: &Vec<Placed<Block>>| height(columns, width) <= room.most;
+    let (large, small) = TYPE_SHARES.split_at(if room.is_presented { 2 } else { TYPE_SHARES.len() });
+    let ways = whole.into_iter().chain(large.iter().map(|share| (share, brief)));
+    let least = large.last().unwrap_or(&1.0);
+    // Rather its first sentences and all of the formula than a line that is cut.
+    let shortened = (1..input.step.sentence.count()).rev().map(|kept| {
+        let step = Arc::new(Step { sentence: input.step.sentence.first(kept), ..Step::clone(input.step) });
+        laid_out(Input { step: &step, ..input }, least, brief)
+    });
+    let smaller = small.iter().map(|share| laid_out(input, share, brief));
+    let mut last = Vec::new();
+    let all = ways.map(|(share, formula)| laid_out(input, share, formula)).chain(shortened).chain(smaller);
+    let columns = all.inspect(|columns| last.clone_from(columns)).find(fits).unwrap_or_default();
+    let columns = if columns.is_empty() { last } else { columns };
+    columns
+        .into_iter()
+        .map(|(at, block)| (at, Part::new(painter, block, (&input.step.values, input.info.family))))
+        .collect()
 }
 
 /// The sentence, and below it the formula; where there is none, as many of the numbers as `most` has room for.
@@ -496,6 +510,7 @@ fn result_of_symbols(line: &Math) -> Option<Math> {
 fn has_number(math: &Math) -> bool {
     match math {
         Math::Text(text, _) => text.contains(|c: char| c.is_ascii_digit()),
+        Math::Value(..) => true,
         Math::Var(_) | Math::Bold(_) | Math::Sum(_) => false,
         Math::Row(parts) => parts.iter().any(has_number),
         Math::Sub(base, _) | Math::Sup(base, _) => has_number(base),

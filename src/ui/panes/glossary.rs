@@ -4,6 +4,7 @@ use std::cell::Cell;
 
 use eframe::egui::{self, Id, PopupAnchor, Rect, Response, RichText, Sense, Shape, Tooltip, Ui, Vec2, WidgetInfo};
 use motionscope_core::glossary::{Chapter, GLOSSARY, Term, chapters_of, find, in_family, occurrences, role_of};
+use motionscope_core::scene::{Value, Variable, latex};
 use motionscope_core::{Role, Scene, capital};
 
 use crate::paint::charts::explanation::Block;
@@ -32,6 +33,8 @@ pub enum Meaning {
     Word(&'static Term),
     /// The term that it is the symbol of.
     Symbol(&'static Term),
+    /// The value that it is, or that it is the symbol of.
+    Value(&'static Variable),
     /// The marks of the role in whose colour it stands.
     Marks(Role),
 }
@@ -73,6 +76,7 @@ impl<'a> Beside<'a> {
         };
         match meaning {
             Meaning::Marks(of) => entry(&|role, _| role == of),
+            Meaning::Value(of) => of.role.and_then(|of| entry(&|role, _| role == of)),
             Meaning::Word(term) | Meaning::Symbol(term) => {
                 let usual = role_of(term, self.family);
                 entry(&|_, says| is_named(term, says)).or_else(|| entry(&|role, _| Some(role) == usual))
@@ -81,17 +85,24 @@ impl<'a> Beside<'a> {
     }
 }
 
-/// The terms, the symbols, and the words in the colours of roles, of a part of an explanation; `family` is that of the estimator,
-/// whose chapters say what a symbol means.
-pub fn links(block: &Block, family: &str) -> Vec<Link> {
+/// The terms, values, symbols, and words in the colours of roles, of a part of an explanation. A symbol is that of one of the step's
+/// `values`, or else what the chapters of the estimator's `family` say.
+pub fn links(block: &Block, (values, family): (&[Value], &str)) -> Vec<Link> {
     let link = |rect: &_, meaning| Link { rect: rect_from(*rect), meaning };
     let predicted = block.symbols.iter().filter(|(_, name)| without_minus(name).is_some());
     let predicted = predicted.map(|(rect, _)| link(rect, Meaning::Marks(Role::Predicted)));
     let marks = block.roles.iter().map(|(rect, role)| link(rect, Meaning::Marks(*role))).chain(predicted);
     let words = block.terms.iter().map(|(rect, term)| link(rect, Meaning::Word(in_family(term, family))));
-    let symbols = block.symbols.iter();
-    let symbols = symbols.filter_map(|(rect, name)| Some(link(rect, Meaning::Symbol(symbol(name, family)?))));
-    marks.chain(words).chain(symbols).collect()
+    let means = |name| of_values(name, values).or_else(|| symbol(name, family).map(Meaning::Symbol));
+    let symbols = block.symbols.iter().filter_map(|(rect, name)| Some(link(rect, means(name)?)));
+    let values = block.values.iter().map(|(rect, of)| link(rect, Meaning::Value(of)));
+    marks.chain(words).chain(symbols).chain(values).collect()
+}
+
+/// The value of the step whose symbol is called so.
+fn of_values(name: &str, values: &[Value]) -> Option<Meaning> {
+    let symbols = |value: &Value| latex::parse(value.of.symbol).is_ok_and(|symbol| symbol.plain() == name);
+    values.iter().find(|value| symbols(value)).map(|value| Meaning::Value(value.of))
 }
 
 /// What a symbol of a formula means, or a name in it.
@@ -141,7 +152,7 @@ pub fn sense(ui: &Ui, salt: &str, (links, part): (&[Link], Rect), beside: &Besid
                 sensed.widget_info(|| WidgetInfo::labeled(egui::Role::Term, true, term.name));
                 sensed
             }
-            Meaning::Symbol(_) | Meaning::Marks(_) => ui.interact(rect, id, Sense::hover()),
+            Meaning::Symbol(_) | Meaning::Value(_) | Meaning::Marks(_) => ui.interact(rect, id, Sense::hover()),
         };
         if !sensed.hovered() && !sensed.has_focus() {
             continue;
@@ -149,16 +160,15 @@ pub fn sense(ui: &Ui, salt: &str, (links, part): (&[Link], Rect), beside: &Besid
         // What is lit is told, also of a term within words in the colour of a role.
         let marks = beside.pointed.get().or_else(|| beside.marks(link.meaning));
         beside.pointed.set(marks);
-        let term = match link.meaning {
-            Meaning::Word(term) | Meaning::Symbol(term) => Some(term),
-            // The tooltip of a term in these words tells it as well.
-            Meaning::Marks(_) if is_defined(ui, links, by) => continue,
-            Meaning::Marks(_) => None,
-        };
+        // The tooltip of a term in these words tells it as well.
+        if matches!(link.meaning, Meaning::Marks(_)) && is_defined(ui, links, by) {
+            continue;
+        }
+        let is_meant = !matches!(link.meaning, Meaning::Marks(_)) || marks.is_some();
         // The letter of a symbol with an index has no tooltip of its own beside that of the symbol.
-        if !is_told && (term.is_some() || marks.is_some()) {
+        if !is_told && is_meant {
             is_told = true;
-            below(&sensed, part).show(|ui| tell(ui, term, marks, beside));
+            below(&sensed, part).show(|ui| tell(ui, link.meaning, marks, beside));
         }
     }
 }
@@ -180,9 +190,13 @@ fn below(sensed: &Response, part: Rect) -> Tooltip<'static> {
     tooltip
 }
 
-/// The definition of a term, and which marks stand for it.
-fn tell(ui: &mut Ui, term: Option<&Term>, marks: Option<Marked>, beside: &Beside<'_>) {
-    term.into_iter().for_each(|term| define(ui, term));
+/// The definition of what is meant, and which marks stand for it.
+fn tell(ui: &mut Ui, meaning: Meaning, marks: Option<Marked>, beside: &Beside<'_>) {
+    match meaning {
+        Meaning::Word(term) | Meaning::Symbol(term) => define(ui, term),
+        Meaning::Value(of) => define_value(ui, of),
+        Meaning::Marks(_) => {}
+    }
     marks.into_iter().for_each(|marks| on_the_stage(ui, marks, beside));
 }
 
@@ -196,7 +210,10 @@ pub fn sense_symbol(sensed: &Response, (name, role): (&str, Option<Role>), besid
     let marks = marks.or_else(|| beside.marks(Meaning::Symbol(term?)));
     beside.pointed.set(beside.pointed.get().or(marks));
     if term.is_some() || marks.is_some() {
-        Tooltip::for_enabled(sensed).show(|ui| tell(ui, term, marks, beside));
+        let meaning = term.map(Meaning::Symbol).or(marks.map(|(role, _)| Meaning::Marks(role)));
+        meaning
+            .into_iter()
+            .for_each(|meaning| _ = Tooltip::for_enabled(sensed).show(|ui| tell(ui, meaning, marks, beside)));
     }
 }
 
@@ -238,6 +255,15 @@ pub fn define(ui: &mut Ui, term: &Term) {
     ui.label(RichText::new(term.chapter.title()).weak().small());
 }
 
+/// A value with its definition.
+fn define_value(ui: &mut Ui, of: &Variable) {
+    ui.set_max_width(WIDTH * ui.text_style_height(&eframe::egui::TextStyle::Body));
+    let name = if of.label.is_empty() { capital(&of.name.replace('-', " ")) } else { of.label.to_owned() };
+    let symbol = latex::parse(of.symbol).map(|symbol| symbol.plain()).unwrap_or_default();
+    ui.label(ink::scripted(ui, format!("{name}  {symbol}").trim_end(), |words| words.family(style::bold()).strong()));
+    ui.label(ink::scripted(ui, of.definition.trim(), |words| words));
+}
+
 /// `doc` and the definitions of the terms in it: for a parameter, a column, a layer.
 pub fn tooltip(ui: &mut Ui, doc: &str) {
     ui.set_max_width(WIDTH * ui.text_style_height(&eframe::egui::TextStyle::Body));
@@ -260,6 +286,7 @@ mod tests {
     fn names(links: &[Link]) -> Vec<(&'static str, bool)> {
         let name = |link: &Link| match link.meaning {
             Meaning::Word(term) => (term.name, true),
+            Meaning::Value(of) => (of.name, false),
             Meaning::Symbol(term) => (term.name, false),
             Meaning::Marks(role) => panic!("marks of {role:?}"),
         };
@@ -311,14 +338,14 @@ mod tests {
     fn a_sentence_and_a_formula_have_links() {
         let density = Density::close(Theme::Dark);
         let words = Sentence::default().text("The Kalman gain weighs the innovation.");
-        let found = links(&sentence(&words, (400.0, density), Theme::Dark), "Tracking");
+        let found = links(&sentence(&words, (400.0, density), Theme::Dark), (&[], "Tracking"));
         assert_eq!(names(&found), [("Kalman gain", true), ("innovation", true)]);
         let words = Sentence::default().text("Each is a hypothesis.");
-        let found = links(&sentence(&words, (400.0, density), Theme::Dark), "Region tracking");
+        let found = links(&sentence(&words, (400.0, density), Theme::Dark), (&[], "Region tracking"));
         assert_eq!(names(&found), [("state hypothesis", true)]);
         assert!(found.iter().all(|link| link.rect.width() > 20.0 && link.rect.height() > 8.0));
         let formula = Math::Row(vec![Math::Bold("K"), Math::text(" = "), Math::Bold("P")]);
-        let found = links(&equation(&[formula], (400.0, density), Theme::Dark), "Tracking");
+        let found = links(&equation(&[formula], (400.0, density), Theme::Dark), (&[], "Tracking"));
         assert_eq!(names(&found), [("Kalman gain", false), ("covariance matrix", false)]);
     }
 

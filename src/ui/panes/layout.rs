@@ -257,7 +257,6 @@ const LEAST_PRESENTED: Vec2 = vec2(45.5, 25.5);
 const CHART_LETTERS: [f32; 2] = [12.0, 15.0];
 /// Least height of the page of a lesson in a column, in letters, and the most of the column: before it was read, and after.
 const PAGE_LETTERS: f32 = 7.0;
-const PAGE_SHARES: [f32; 2] = [0.5, 0.36];
 /// Two pictures stay alike if each has at least this share of the area that one alone would have.
 const ALIKE: f32 = 0.55;
 /// Most of the body that words have by default, beside the pictures or below them.
@@ -310,6 +309,15 @@ impl Mode {
     /// The most of the column's height that small pictures beside a large one take.
     fn small_share(self) -> f32 {
         if self == Self::Presenting { 0.16 } else { 0.2 }
+    }
+
+    /// The most of the column's height that the page of a lesson takes, before and after it was read.
+    fn page_share(self, is_read: bool) -> f32 {
+        match (self, is_read) {
+            (_, true) => 0.36,
+            (Self::Presenting, false) => 0.62,
+            (_, false) => 0.5,
+        }
     }
 
     /// How much larger the interface is, so that a sentence can be read in the last row.
@@ -671,7 +679,7 @@ impl Room {
             Some(LessonPage { height, is_read }) if self.is_told() || self.has_charts() => {
                 let (page, rest) = match side {
                     Side::Beside => {
-                        let most = PAGE_SHARES[usize::from(is_read)] * region.height();
+                        let most = self.mode.page_share(is_read) * region.height();
                         split_y(region, within(height, (PAGE_LETTERS * self.type_pt).min(most), most))
                     }
                     Side::Below => split_x(region, 0.36 * region.width()),
@@ -773,6 +781,7 @@ impl Room {
             type_pt: self.told_pt(),
             is_column: side == Side::Beside || told.width() < 28.0 * self.told_pt(),
             is_sentence_alone,
+            is_presented: self.mode == Mode::Presenting,
         });
     }
 }

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use eframe::egui::text::{LayoutJob, TextWrapping};
 use eframe::egui::{
-    Align, Button, CursorIcon, Galley, Layout, Rect, RichText, ScrollArea, Sense, Stroke, TextStyle, Ui, UiBuilder,
-    vec2,
+    Align, Button, CursorIcon, Galley, Layout, Rect, RichText, ScrollArea, Sense, Stroke, TextFormat, TextStyle, Ui,
+    UiBuilder, vec2,
 };
 use lucide_icons::Icon;
 use motionscope_core::Direction;
@@ -93,6 +94,8 @@ struct Row {
     top: f32,
     bottom: f32,
     ends_sentence: bool,
+    /// Whether it announces the row that follows, as a colon does.
+    announces: bool,
 }
 
 /// What the layout of a page follows from beside its words.
@@ -114,11 +117,13 @@ pub struct Input<'a> {
     pub back: Option<&'a str>,
     /// The stage on which what is pointed at is pointed out.
     pub beside: &'a Beside<'a>,
+    /// Whether keys alone turn the pages, so that the title has the room of the buttons.
+    pub is_presented: bool,
 }
 
 /// Shows the page that is open in `rect`.
 pub fn show(ui: &mut Ui, rect: Rect, input: Input<'_>, state: &mut State, actions: &mut Actions) {
-    let Input { open, theme, back, beside } = input;
+    let Input { open, theme, back, beside, is_presented } = input;
     let chrome = theme.chrome();
     ui.painter().rect_filled(rect, 0.0, style::color(chrome.panel));
     let line = Stroke::new(1.0, style::color(chrome.line));
@@ -127,7 +132,11 @@ pub fn show(ui: &mut Ui, rect: Rect, input: Input<'_>, state: &mut State, action
     let inside = rect.shrink2(vec2(MARGIN, 8.0));
     let mut ui = ui.new_child(UiBuilder::new().id_salt("lesson").max_rect(inside));
     ui.set_clip_rect(ui.clip_rect().intersect(rect));
-    head(&mut ui, (open, back, !state.has_notes_elsewhere), actions);
+    if is_presented {
+        title(&mut ui, open);
+    } else {
+        head(&mut ui, (open, back, !state.has_notes_elsewhere), actions);
+    }
     let more = (1.2 * TextStyle::Body.resolve(ui.style()).size).round();
     let ending = open.is_over.then(|| laid_out_ending(&ui, open, inside.width()));
     let below = ending.as_ref().map_or(more, |text| text.size().y + 4.0);
@@ -177,6 +186,19 @@ pub fn show(ui: &mut Ui, rect: Rect, input: Input<'_>, state: &mut State, action
     }
 }
 
+/// The title of the page over the whole width, and behind it the number of the page.
+fn title(ui: &mut Ui, open: &OpenLesson) {
+    let font = eframe::egui::FontId::new(TextStyle::Heading.resolve(ui.style()).size, style::bold());
+    let small = TextStyle::Small.resolve(ui.style());
+    let format = |font_id, color| TextFormat { font_id, color, valign: Align::Center, ..TextFormat::default() };
+    let mut job = LayoutJob { wrap: TextWrapping::wrap_at_width(ui.available_width()), ..LayoutJob::default() };
+    job.append(&open.page().title, 0.0, format(font, ui.visuals().strong_text_color()));
+    let number = format!("{} of {}", open.address().page + 1, open.lesson().pages.len());
+    job.append(&number.replace(' ', "\u{a0}"), MARGIN, format(small, ui.visuals().weak_text_color()));
+    ui.label(job).on_hover_text(&open.lesson().title);
+    ui.add_space(2.0);
+}
+
 /// The title of the page, the ways to those around it, and the way out of the lesson.
 fn head(ui: &mut Ui, (open, back, has_notes): (&mut OpenLesson, Option<&str>, bool), actions: &mut Actions) {
     let row = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), ui.spacing().interact_size.y));
@@ -213,8 +235,19 @@ fn head(ui: &mut Ui, (open, back, has_notes): (&mut OpenLesson, Option<&str>, bo
     place.on_hover_text(&open.lesson().title);
     way(buttons, Command::PreviousPage, !open.is_at(Direction::Back));
     let font = eframe::egui::FontId::new(TextStyle::Heading.resolve(ui.style()).size, style::bold());
-    let width = (buttons.min_rect().min.x - row.min.x - ui.spacing().item_spacing.x).max(0.0);
-    let title = ui.painter().layout(open.page().title.clone(), font, ui.visuals().strong_text_color(), width);
+    let left = (buttons.min_rect().min.x - row.min.x - ui.spacing().item_spacing.x).max(0.0);
+    let set = |text: &str, width: f32| {
+        ui.painter().layout(text.to_owned(), font.clone(), ui.visuals().strong_text_color(), width)
+    };
+    let title = &open.page().title;
+    let longest = title.split(' ').map(|word| set(word, f32::INFINITY).size().x).fold(0.0, f32::max);
+    // Where a word has no room beside the buttons, the title stands below them.
+    let has_room = longest <= left;
+    let width = if has_room { left } else { row.width() };
+    let title = set(title, width);
+    if !has_room {
+        ui.add_space(row.height());
+    }
     let size = vec2(width, title.size().y.max(row.height()));
     let named = ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
         ui.set_min_size(size);
@@ -254,12 +287,10 @@ fn words(
         let rows = rows(&page.block);
         // In another width the same words stand at the top, from the beginning of their row on.
         if state.laid_out.as_ref().is_some_and(|before| before.prose == *prose) && state.offset > 0.0 {
-            let all = rows.last().map_or(0.0, |row| row.bottom);
-            let wanted = state.offset / state.seen[1].max(1.0) * all;
-            state.wanted = rows.iter().map(|row| row.top).take_while(|top| *top <= wanted + 0.5).last();
+            state.wanted = row_at(&rows, state.offset / state.seen[1].max(1.0));
         }
         let links = page.links.into_iter().map(|(rect, to)| (rect_from(rect), to)).collect();
-        let words = Part::new(ui.painter(), page.block, family);
+        let words = Part::new(ui.painter(), page.block, (&[], family));
         state.laid_out = Some(LaidOut { prose: prose.clone(), key, words, rows, links });
     }
     let Some(LaidOut { words, links, .. }) = &state.laid_out else { return };
@@ -275,6 +306,12 @@ fn words(
     }
 }
 
+/// Where the row begins that stands this share of the way down a page.
+fn row_at(rows: &[Row], share: f32) -> Option<f32> {
+    let all = rows.last()?.bottom;
+    rows.iter().map(|row| row.top).take_while(|top| *top <= share * all + 0.5).last()
+}
+
 /// How much of a page is shown from `offset` on in a pane of this height: no row is cut at the bottom, nor a sentence if most of the
 /// pane is full without it.
 fn readable_height(rows: &[Row], offset: f32, height: f32) -> f32 {
@@ -283,7 +320,10 @@ fn readable_height(rows: &[Row], offset: f32, height: f32) -> f32 {
     let is_cut = |row: &Row| row.top < offset + height && row.bottom > offset + height + 0.5;
     let Some(cut) = rows.iter().position(is_cut) else { return height };
     let mut ends = rows[..cut].iter().zip(&rows[1..]).filter(|(row, _)| row.ends_sentence).map(|(_, next)| next.top);
-    let end = ends.next_back().filter(|top| *top - offset >= FULL * height).unwrap_or(rows[cut].top);
+    // What announces a formula stands on one page with it.
+    let announced = rows[..cut].iter().rev().take_while(|row| row.announces).last();
+    let last = announced.map_or(rows[cut].top, |row| row.top);
+    let end = ends.next_back().filter(|top| *top - offset >= FULL * height).unwrap_or(last);
     (end - offset).clamp(0.5 * height, height)
 }
 
@@ -293,7 +333,10 @@ fn rows(block: &Block) -> Vec<Row> {
         Primitive::Text(line) => {
             let words = line.runs.last().map_or("", |run| run.text.trim_end());
             let (top, bottom) = (line.at[1] - 0.95 * line.size, line.at[1] + 0.3 * line.size);
-            Some((line.at[0], Row { top, bottom, ends_sentence: words.ends_with(['.', '?', '!', ':']) }))
+            Some((
+                line.at[0],
+                Row { top, bottom, announces: words.ends_with(':'), ends_sentence: words.ends_with(['.', '?', '!']) },
+            ))
         }
         _ => None,
     };
@@ -305,7 +348,7 @@ fn rows(block: &Block) -> Vec<Row> {
             Some((rightmost, last)) if row.top < last.bottom => {
                 last.bottom = last.bottom.max(row.bottom);
                 if left >= *rightmost {
-                    (*rightmost, last.ends_sentence) = (left, row.ends_sentence);
+                    (*rightmost, last.ends_sentence, last.announces) = (left, row.ends_sentence, row.announces);
                 }
             }
             _ => rows.push((left, row)),
@@ -326,7 +369,7 @@ mod tests {
     use super::*;
 
     fn row(top: f32, ends_sentence: bool) -> Row {
-        Row { top, bottom: top + 18.0, ends_sentence }
+        Row { top, bottom: top + 18.0, ends_sentence, announces: false }
     }
 
     #[test]
@@ -336,6 +379,22 @@ mod tests {
         assert_eq!(readable_height(&rows(3), 0.0, 110.0), 80.0, "the fourth row ends a sentence");
         assert_eq!(readable_height(&rows(1), 0.0, 110.0), 100.0, "too little would be left");
         assert_eq!(readable_height(&rows(8), 100.0, 110.0), 110.0, "the rest has room");
+        let mut announced = rows(9);
+        announced[4].announces = true;
+        assert_eq!(readable_height(&announced, 0.0, 110.0), 80.0, "the fifth row announces the sixth");
+    }
+
+    #[test]
+    fn the_same_words_stand_at_the_top_in_another_width() {
+        // Half as wide, the same words take two rows each.
+        let [wide, narrow] = [10, 20].map(|count| (0..count).map(|i| row(20.0 * i as f32, false)).collect::<Vec<_>>());
+        for (i, row) in wide.iter().enumerate() {
+            let there = row_at(&narrow, row.top / wide[9].bottom);
+            assert_eq!(there, Some(narrow[2 * i].top), "row {i}");
+            let back = row_at(&wide, narrow[2 * i].top / narrow[19].bottom).expect("a row");
+            assert!((row.top - 20.0..=row.top).contains(&back), "row {i} comes back at {back}, within a row");
+        }
+        assert_eq!(row_at(&[], 0.5), None);
     }
 
     #[test]
@@ -360,7 +419,9 @@ mod tests {
 
     #[test]
     fn a_row_that_is_higher_than_the_pane_is_read_on_within_it() {
-        let rows = [[0.0, 100.0], [100.0, 400.0]].map(|[top, bottom]| Row { top, bottom, ends_sentence: false }).into();
+        let rows = [[0.0, 100.0], [100.0, 400.0]]
+            .map(|[top, bottom]| Row { top, bottom, ends_sentence: false, announces: false })
+            .into();
         let laid_out =
             LaidOut { rows, prose: Prose::default(), key: Key::default(), words: Part::default(), links: Vec::new() };
         let mut state = State { laid_out: Some(laid_out), seen: [80.0, 400.0], ..State::default() };

@@ -352,7 +352,8 @@ impl Panes<'_> {
                 is_bare: self.presented.is_bare,
             },
             panes,
-            is_search: shown.subject.experiment.estimator.tests_candidates(),
+            // At the end of a run its field is looked at, which lies on frame t.
+            is_search: shown.subject.experiment.estimator.tests_candidates() && !shown.at_end,
         };
         let response = stage::show(ui, input, &mut self.states.stage);
         let is_meant = self.states.pointing.is_meant(ui, shown.cursor);

@@ -430,6 +430,7 @@ fn columns(pictures: &[Probed<'_>], pixel: [usize; 2]) -> Vec<Column> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::paint::ColorMap;
     use motionscope_core::Grid;
 
     #[test]
@@ -453,6 +454,50 @@ mod tests {
             Probed { picture: Picture::RESPONSE, frame: &frame, measured: Some(&response) },
         ];
         assert_eq!(told(&probed), ["x 3", "y 2", "G₂ 90.26", "D₁ −3.25"]);
+    }
+
+    /// What a legend of three short entries, a long one and a colour scale shows in a room of so many letters and lines: the numbers of its
+    /// entries, its scales and those that are left.
+    fn fitted(is_list: bool, letters: f32, lines: f32) -> (Vec<usize>, usize, usize) {
+        let mut fitted = None;
+        let ctx = egui::Context::default();
+        let mut output = ctx.run_ui(egui::RawInput::default(), |ui| {
+            let theme = Theme::Dark;
+            let letter = text_width(ui, "+88", theme) / 3.0;
+            let entry = |(i, letters): (usize, f32)| {
+                let role = [Role::Candidate, Role::Window, Role::Reference, Role::Truth][i];
+                (Entry { role, sample: Sample::Line, own: Vec::new(), meaning: "entry".into() }, letters * letter)
+            };
+            let entries: Vec<_> = [10.0, 10.0, 40.0, 10.0].into_iter().enumerate().map(entry).collect();
+            let bar = legend::Bar::heat("cost", [0.0, 9.0], ColorMap::Viridis);
+            let items = Items { entries, bars: vec![(bar, 10.0 * letter)], theme, hidden: 0, is_list };
+            let room = vec2(letters * letter, lines * line_height(theme) + 1.0);
+            let shown = items.fitting(ui, room);
+            let (places, count) = shown.layout(room.x);
+            assert!(count as f32 <= lines.max(1.0), "{count} lines");
+            assert_eq!(places.len(), shown.entries.len() + shown.bars.len());
+            let roles = items.entries.iter().map(|(entry, _)| entry.role);
+            let is_shown = |role: &Role| shown.entries.iter().any(|(entry, _)| entry.role == *role);
+            let numbers = roles.enumerate().filter(|(_, role)| is_shown(role)).map(|(i, _)| i).collect();
+            fitted = Some((numbers, shown.bars.len(), shown.hidden));
+        });
+        output.textures_delta.clear();
+        fitted.expect("a frame")
+    }
+
+    #[test]
+    fn a_legend_flows_and_counts_what_it_leaves_out() {
+        assert_eq!(fitted(false, 200.0, 1.0), (vec![0, 1, 2, 3], 1, 0), "all in one line");
+        assert_eq!(fitted(false, 66.0, 2.0), (vec![0, 1, 2, 3], 1, 0), "all in two");
+        assert_eq!(fitted(false, 66.0, 1.0), (vec![0, 1, 3], 1, 1), "the scale comes first, and the long one is left");
+        assert_eq!(fitted(false, 4.0, 1.0), (vec![], 0, 5), "no room for any");
+    }
+
+    #[test]
+    fn a_list_flows_where_it_has_no_line_for_each() {
+        assert_eq!(fitted(true, 66.0, 5.0), (vec![0, 1, 2, 3], 1, 0));
+        assert_eq!(fitted(true, 66.0, 2.0), (vec![0, 1, 2, 3], 1, 0));
+        assert_eq!(fitted(true, 30.0, 5.0), (vec![0, 1, 3], 1, 1), "the long one is wider than the room");
     }
 
     fn told(probed: &[Probed<'_>]) -> Vec<String> {

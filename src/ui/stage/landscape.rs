@@ -177,3 +177,47 @@ pub(super) fn paint(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut Sta
         ui.ctx().request_repaint();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use motionscope_core::Grid;
+    use motionscope_core::scene::Sentence;
+
+    use super::*;
+
+    /// A step of an iteration that has come so far.
+    fn step(trail: &[[f32; 2]]) -> Arc<Step> {
+        let surface = Surface {
+            footing: Some(Footing::new(Picture::CURRENT, [20.0; 2])),
+            trail: trail.to_vec(),
+            ..Surface::new("cost", [-2, -2], Grid::new(5, 5, 1.0), Grid::new(5, 5, None))
+        };
+        let line = motionscope_core::estimators()[0].info().pseudocode[0].name;
+        Arc::new(Step {
+            values: Vec::new(),
+            line,
+            sentence: Sentence::default(),
+            readouts: vec![Readout::Landscape(surface)],
+        })
+    }
+
+    #[test]
+    fn a_ball_rolls_only_where_an_iteration_has_moved_on_by_one() {
+        let path = [[-2.0, -2.0], [-1.0, 0.0], [0.0, 0.0], [1.0, 1.0]];
+        let mut shown = Shown::default();
+        let mut rolls = |step: &Arc<Step>, time: f64| {
+            shown.take(step, (Vec::new(), false), time);
+            (shown.rolls, shown.since)
+        };
+        let [one, two, four] = [1, 2, 4].map(|length| step(&path[..length]));
+        assert_eq!(rolls(&one, 1.0), (false, 1.0), "it begins");
+        assert_eq!(rolls(&two, 2.0), (true, 2.0));
+        assert_eq!(rolls(&two, 3.0), (true, 2.0), "the same step again does not begin anew");
+        assert_eq!(rolls(&one, 4.0), (false, 4.0), "a step back");
+        assert_eq!(rolls(&four, 5.0), (false, 5.0), "a jump ahead");
+        let other = step(&[path[0], [0.5, 0.5]]);
+        rolls(&one, 6.0);
+        assert_eq!(rolls(&other, 7.0), (true, 7.0), "another way from the same place");
+        assert_eq!(rolls(&step(&path[1..]), 8.0), (false, 8.0), "the path of another pixel");
+    }
+}

@@ -129,10 +129,10 @@ pub fn heading(ui: &Ui, input: &Input<'_>, index: usize, lens: &Lens, response: 
 /// One line of words, cut short with … at `width` points.
 fn job(words: &Sentence, width: f32, theme: Theme) -> LayoutJob {
     let mut job = LayoutJob { wrap: TextWrapping::truncate_at_width(width), ..LayoutJob::default() };
-    for (words, role) in &words.0 {
+    for (words, role) in words.words() {
         let color = role.map_or(theme.chrome().dim, |role| theme.word(role));
         let font_id = ink::font(Face::Sans, theme.sizes().small);
-        job.append(words, 0.0, TextFormat { font_id, color: ink::color(color), ..TextFormat::default() });
+        job.append(&words, 0.0, TextFormat { font_id, color: ink::color(color), ..TextFormat::default() });
     }
     job
 }

@@ -482,8 +482,9 @@ fn panes(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Respo
     let panels = panels(view(input), input.pictures, time);
     let (mut hovered, mut tips) = (None, Vec::new());
     let spots = spots(ui, &panels, input, state);
-    for spot in &spots {
-        ui.painter().rect_filled(spot.lens.pane, 0.0, ink::color(input.theme().chrome().background));
+    let chrome = input.theme().chrome();
+    for spot in spots.iter().filter(|_| chrome.background != chrome.panel) {
+        ui.painter().rect_filled(spot.lens.pane, 0.0, ink::color(chrome.background));
     }
     let members = spots.last().map_or(1, |spot| spot.member + 1);
     state.glides.resize_with(members, Glide::default);
@@ -678,8 +679,11 @@ fn join(ui: &Ui, spots: &[Spot<'_>], input: &Input<'_>, state: &mut State) {
         paint::LinkSite { panel: spot.panel, place, pane }
     };
     let sites: Vec<_> = spots.iter().map(site).collect();
-    let painter = ui.painter();
-    painter.extend(primitives::shapes(painter, &paint::links(scene, &look, &sites)));
+    // They stay on the pictures: between a large one and a small one there are words.
+    for spot in spots {
+        let painter = ui.painter().with_clip_rect(spot.lens.pane.expand(2.0));
+        painter.extend(primitives::shapes(&painter, &paint::links(scene, &look, &sites)));
+    }
 }
 
 /// The name of a picture, above it; without that of its file where there is no room.

@@ -11,8 +11,9 @@ use super::facts::Elsewhere;
 use super::grids::{self, Captioned, Grids, Missing};
 use super::numbers::{self, Fill, is_telling, tells};
 use super::reach::{Printed, is_small};
+use super::spelled;
 use super::windows::{self, Pixels, surface_of};
-use crate::paint::charts::explanation::{equation_of, facts_of};
+use crate::paint::charts::explanation::facts_of;
 use crate::paint::charts::heat_map::cost;
 use crate::paint::charts::matrices::entries;
 use crate::paint::number;
@@ -89,7 +90,7 @@ impl Exercise {
     /// The exercise of a step: what can be computed by hand, drawn or decided.
     pub fn of(asked: &Asked<'_>, fill: Fill) -> Self {
         let Asked { step, unit, earlier, questions } = *asked;
-        let lines = equation_of(step);
+        let lines = &spelled(step)[..];
         let mut all = Self { decision: Decision::of(questions, (step, unit)), ..Self::default() };
         let pixels = windows::pixels(step, earlier, &values(lines), fill);
         let series = find(step, |readout| if let Readout::Series(series) = readout { Some(series) } else { None });
@@ -160,7 +161,7 @@ impl Exercise {
 
     fn add_matrices(&mut self, step: &Step, before: Option<&Step>, fill: Fill) {
         let all = matrices_of(step);
-        let (results, chosen) = results_of(all, &defined(equation_of(step)));
+        let (results, chosen) = results_of(all, &defined(&spelled(step)));
         // Where nothing is computed nothing has to be known before.
         let changed = if results.is_empty() { 0 } else { all.len() };
         let hide =
@@ -270,7 +271,7 @@ impl Exercise {
 
 /// What is printed of a step, from which its results can be computed.
 fn printed(step: &Step, pixels: Option<&Pixels>, histogram: Option<&Captioned>) -> Printed {
-    let symbols = defined(equation_of(step)).into_iter().map(|defined| defined.name);
+    let symbols = defined(&spelled(step)).into_iter().map(|defined| defined.name);
     let rows = histogram.into_iter().flat_map(|histogram| &histogram.table.rows);
     Printed {
         names: Printed::names(facts_of(step), matrices_of(step), symbols),
@@ -317,7 +318,7 @@ fn matrices_of(step: &Step) -> &[Matrix] {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::scene::{Case, Fact, Sentence};
+    use motionscope_core::scene::{Fact, Reply, Sentence};
 
     use super::*;
 
@@ -325,7 +326,7 @@ mod tests {
         GATE: "gate the measurement",
     }
 
-    const CASES: &[Case] = &[Case::says(line::GATE, "accepted", "Yes"), Case::at(line::GATE, "No")];
+    const CASES: &[Reply] = &[Reply::says(line::GATE, "accepted", "Yes"), Reply::at(line::GATE, "No")];
     const QUESTION: Question = Question::choice("gate", "Is it inside?", CASES);
 
     fn matrix(symbol: &'static str, side: usize) -> Matrix {
@@ -335,7 +336,7 @@ mod tests {
     }
 
     fn step(readouts: Vec<Readout>) -> Step {
-        Step { line: line::GATE, sentence: Sentence::default().text("It is accepted."), readouts }
+        Step { values: Vec::new(), line: line::GATE, sentence: Sentence::default().text("It is accepted."), readouts }
     }
 
     fn exercise(step: &Step, questions: &[Question], fill: Fill) -> Exercise {

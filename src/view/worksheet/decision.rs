@@ -36,7 +36,7 @@ fn of_this(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::scene::{Case, Reading, Sentence};
+    use motionscope_core::scene::{Reading, Reply, Sentence};
 
     use super::*;
 
@@ -45,11 +45,11 @@ mod tests {
         KEEP: "keep the best",
     }
 
-    const CASES: &[Case] = &[Case::says(line::TEST, "exceeds", "No"), Case::at(line::TEST, "Yes: it is lower")];
+    const CASES: &[Reply] = &[Reply::says(line::TEST, "exceeds", "No"), Reply::at(line::TEST, "Yes: it is lower")];
     const READING: Reading = Reading { line: line::TEST, after: "cost ", before: " ", unit: "" };
 
     fn step(line: motionscope_core::scene::Name, said: &str) -> Step {
-        Step { line, sentence: Sentence::default().text(said), readouts: Vec::new() }
+        Step { sentence: Sentence::default().text(said), ..Step::at(line) }
     }
 
     #[test]

@@ -16,7 +16,7 @@ mod sheet;
 mod vector;
 mod windows;
 
-use motionscope_core::scene::Focus;
+use motionscope_core::scene::{Focus, Math};
 use motionscope_core::{Direction, Error, Move, Step, Walk};
 
 use self::blanks::{Asked, Exercise};
@@ -24,6 +24,7 @@ use self::numbers::Fill;
 use super::moment::Moment;
 use super::page::Stand;
 use crate::media::Progress;
+use crate::paint::charts::explanation::equation_of;
 use crate::paint::charts::prose::Prose;
 use crate::paint::{Sheet, export_sheets};
 
@@ -76,12 +77,16 @@ impl About<'_> {
     }
 }
 
+/// The formulas of a step with its values as text.
+fn spelled(step: &Step) -> Vec<Math> {
+    equation_of(step).iter().map(Math::spelled).collect()
+}
+
 /// The steps before the one at which `walk` stands, latest first, at most `count` of them.
 fn steps_before(walk: &mut dyn Walk, focus: Option<Focus>, count: usize) -> Vec<Step> {
     let last = walk.info().granularities.len() - 1;
     let before = || {
-        walk.go(Move::Granularity(last, Direction::Back));
-        while !walk.work(&mut || true) {}
+        walk.jump(Move::Granularity(last, Direction::Back));
         walk.step(focus)
     };
     std::iter::repeat_with(before).take(count).collect()

@@ -60,7 +60,14 @@ fn of_formula(math: &Math, takes: &dyn Fn(Option<Role>) -> bool) -> Vec<String> 
         Math::Matrix(rows) => rows.iter().flatten().flat_map(each).collect(),
         Math::Frac(top, bottom) => [each(top), each(bottom)].concat(),
         Math::Abs(inner) | Math::Sqrt(inner) | Math::Sub(inner, _) | Math::Sup(inner, _) => each(inner),
-        Math::Text(..) | Math::Var(_) | Math::Bold(_) | Math::Sum(_) | Math::Bar(_) | Math::Hat(_) => Vec::new(),
+        Math::Value(value, style) if takes(value.role) => of(&style.text(value)),
+        Math::Text(..)
+        | Math::Value(..)
+        | Math::Var(_)
+        | Math::Bold(_)
+        | Math::Sum(_)
+        | Math::Bar(_)
+        | Math::Hat(_) => Vec::new(),
     }
 }
 
@@ -73,7 +80,7 @@ pub fn has_measured(math: &Math) -> bool {
 pub fn has_unknown(math: &Math) -> bool {
     match math {
         Math::Var(_) | Math::Bold(_) | Math::Bar(_) | Math::Hat(_) => true,
-        Math::Text(..) | Math::Sum(_) => false,
+        Math::Text(..) | Math::Value(..) | Math::Sum(_) => false,
         Math::Row(parts) => parts.iter().any(has_unknown),
         Math::Matrix(rows) => rows.iter().flatten().any(has_unknown),
         Math::Frac(top, bottom) => has_unknown(top) || has_unknown(bottom),
@@ -139,6 +146,7 @@ pub fn filled_in(math: &Math, fill: Fill, chosen: &dyn Fn(&str) -> bool) -> Math
             let row = |row: &Vec<Math>| row.iter().map(|entry| filled_in(entry, fill, chosen)).collect();
             Math::Matrix(rows.iter().map(row).collect())
         }
+        Math::Value(value, style) => filled(&style.text(value), value.role, fill, chosen),
         Math::Var(_) | Math::Bold(_) | Math::Sum(_) | Math::Bar(_) | Math::Hat(_) => math.clone(),
     }
 }

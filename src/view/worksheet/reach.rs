@@ -70,7 +70,7 @@ fn symbols_of(math: &Math, symbols: &mut Vec<String>) {
         Math::Sup(inner, _) | Math::Abs(inner) | Math::Sqrt(inner) | Math::Bar(inner) | Math::Hat(inner) => {
             symbols_of(inner, symbols);
         }
-        Math::Text(..) | Math::Var(_) | Math::Sum(_) => {}
+        Math::Text(..) | Math::Value(..) | Math::Var(_) | Math::Sum(_) => {}
     }
 }
 

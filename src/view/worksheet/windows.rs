@@ -362,7 +362,7 @@ mod tests {
         let surface = Surface { probe: Some(probe), ..Surface::new("SAD", [-2; 2], values, events) };
         let facts = vec![Fact::new("Block", "1 of 4", None), Fact::new("Best so far", told, None)];
         let readouts = vec![Readout::Facts(facts), Readout::Tiles(tiles), Readout::Surface(surface)];
-        Step { line: line::TEST, sentence: Sentence::default(), readouts }
+        Step { values: Vec::new(), line: line::TEST, sentence: Sentence::default(), readouts }
     }
 
     fn sheet(earlier: &[Step], told: &str, fill: Fill) -> Pixels {

@@ -14,10 +14,10 @@
 
 use super::diamond::{Descent, SMALL, descend};
 use crate::base::Observer;
-use crate::methods::block_search::{
-    BlockSearch, Event, Tester, around, block_search_params, search_pseudocode, vector,
-};
+use crate::cases;
+use crate::methods::block_search::{BlockSearch, Event, Tester, around, block_search_params, search_pseudocode, value};
 use crate::run::Info;
+use crate::scene::Step;
 
 block_search_params! {
     /// Adaptive rood pattern search (ARPS): arms as long as the predicted motion, then descent with a small diamond.
@@ -27,6 +27,16 @@ block_search_params! {
         zero_motion_threshold: f32 = 2.0, 0.0..=16.0, "gray levels";
     }
     renamed { "still" => "zero-motion-threshold" }
+}
+
+cases! { over value;
+    ZERO_FIRST: "Zero-motion prejudgement: (0, 0) is tested first, since most blocks are static.",
+    STATIC: "{measure} {distortion} at (0, 0) does not exceed the zero-motion threshold {threshold}: static block, the search \
+             stops.",
+    PREDICTED_ARM: "The left block predicts {predictor}: arm length max(|u|, |v|) = {step}.",
+    DEFAULT_ARM: "There is no left block to predict from: arm length {step} by default.",
+    ROOD_AND_PREDICTOR: "Rood pattern: the centre (0, 0), the 4 arm ends and the predictor {predictor}.",
+    ROOD: "Rood pattern: the centre (0, 0) and the 4 arm ends.",
 }
 
 search_pseudocode! {
@@ -57,31 +67,24 @@ impl BlockSearch for AdaptiveRood {
     }
 
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
-        tester.stage(line::TEST_ZERO, [[0, 0]].into_iter(), || {
-            "Zero-motion prejudgement: (0, 0) is tested first, since most blocks are static.".into()
-        });
+        tester.stage([[0, 0]].into_iter(), || Step::at(line::TEST_ZERO).say(case::ZERO_FIRST));
         let (cost, most) = (tester.best_distortion(), tester.cost_of_levels(self.zero_motion_threshold));
         if cost <= most {
-            let settings = tester.settings.without_rate();
-            return tester.report(line::STOP_IF_STILL, || {
-                format!(
-                    "{} at (0, 0) does not exceed the zero-motion threshold {}: static block, the search stops.",
-                    settings.show(cost),
-                    settings.number(most)
-                )
-            });
+            let settings = tester.settings;
+            return tester.report(|| settings.compared(Step::at(line::STOP_IF_STILL), cost, most).say(case::STATIC));
         }
         let predicted = tester.neighbours.left.map(|left| left.displacement);
         let arm = predicted.map_or(2, |[u, v]| u.abs().max(v.abs()));
-        tester.report(line::SET_ARM, || match predicted {
-            Some(p) => format!("The left block predicts {}: arm length max(|u|, |v|) = {arm} px.", vector(p)),
-            None => format!("There is no left block to predict from: arm length {arm} px by default."),
-        });
-        tester.stage(line::TEST_ROOD, around([0, 0], &SMALL, arm).chain(predicted), || match predicted {
-            Some(p) if p != [0, 0] => {
-                format!("Rood pattern: the centre (0, 0), the 4 arm ends and the predictor {}.", vector(p))
+        tester.report(|| {
+            let step = Step::at(line::SET_ARM).put(value::STEP, arm);
+            match predicted {
+                Some(p) => step.put(value::PREDICTOR, p).say(case::PREDICTED_ARM),
+                None => step.say(case::DEFAULT_ARM),
             }
-            _ => "Rood pattern: the centre (0, 0) and the 4 arm ends.".into(),
+        });
+        tester.stage(around([0, 0], &SMALL, arm).chain(predicted), || match predicted {
+            Some(p) if p != [0, 0] => Step::at(line::TEST_ROOD).put(value::PREDICTOR, p).say(case::ROOD_AND_PREDICTOR),
+            _ => Step::at(line::TEST_ROOD).say(case::ROOD),
         });
         let lines = Descent { test: line::TEST_SMALL_DIAMOND, decide: line::UNTIL_BEST_STAYS };
         descend(tester, &SMALL, lines, "small diamond");

@@ -12,11 +12,12 @@
 //! ```
 
 use crate::base::Observer;
+use crate::cases;
 use crate::methods::block_search::{
-    BlockSearch, Displacement, Event, Tester, around, block_search_params, search_pseudocode, vector,
+    BlockSearch, Displacement, Event, Tester, around, block_search_params, search_pseudocode, value,
 };
 use crate::run::Info;
-use crate::scene::Name;
+use crate::scene::{Name, Step};
 
 block_search_params! {
     /// Diamond search: a large diamond descends to a minimum of the cost, a small one refines it.
@@ -29,6 +30,14 @@ pub(super) const LARGE: [Displacement; 9] =
 
 /// The small diamond: a centre and its four neighbours.
 pub(super) const SMALL: [Displacement; 5] = [[0, 0], [0, -1], [-1, 0], [1, 0], [0, 1]];
+
+cases! { pub(super) over value;
+    STARTS: "The {pattern} of {pattern_size} starts at {center}.",
+    MOVES: "The {pattern} of {pattern_size} moves to {center}.",
+    AT_MINIMUM: "The minimum of the {pattern} is its centre {center}: a local minimum is reached.",
+    MOVE: "The minimum of the {pattern} is {best:bare}, not its centre {center}: the pattern moves there.",
+    SMALL_DIAMOND: "Small diamond: the centre {center} and its 4 neighbours refine the match to 1 px.",
+}
 
 search_pseudocode! {
     REPEAT: "  centre ← (0, 0); repeat",
@@ -53,9 +62,8 @@ impl BlockSearch for Diamond {
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
         let lines = Descent { test: line::TEST_LARGE_DIAMOND, decide: line::MOVE_CENTER };
         let centre = descend(tester, &LARGE, lines, "large diamond");
-        tester.stage(line::TEST_SMALL_DIAMOND, around(centre, &SMALL, 1), || {
-            format!("Small diamond: the centre {} and its 4 neighbours refine the match to 1 px.", vector(centre))
-        });
+        let told = || Step::at(line::TEST_SMALL_DIAMOND).put(value::CENTER, centre).say(case::SMALL_DIAMOND);
+        tester.stage(around(centre, &SMALL, 1), told);
     }
 }
 
@@ -73,26 +81,21 @@ pub(super) fn descend(
     tester: &mut Tester<impl Observer<Event>>,
     pattern: &'static [Displacement],
     lines: Descent,
-    name: &str,
+    name: &'static str,
 ) -> Displacement {
-    let mut verb = "starts at";
+    let mut begun = case::STARTS;
     loop {
         let centre = tester.best();
-        tester.stage(lines.test, around(centre, pattern, 1), || {
-            format!("The {name} of {} candidates {verb} {}.", pattern.len(), vector(centre))
-        });
+        let at = |line| Step::at(line).put(value::PATTERN, name).put(value::CENTER, centre);
+        tester.stage(around(centre, pattern, 1), || at(lines.test).put(value::PATTERN_SIZE, pattern.len()).say(begun));
         let best = tester.best();
-        tester.report(lines.decide, || match best == centre {
-            true => format!("The minimum of the {name} is its centre {}: a local minimum is reached.", vector(centre)),
-            false => format!(
-                "The minimum of the {name} is {}, not its centre {}: the pattern moves there.",
-                vector(best),
-                vector(centre)
-            ),
+        let is_reached = best == centre;
+        tester.report(|| {
+            at(lines.decide).put(value::BEST, best).say(if is_reached { case::AT_MINIMUM } else { case::MOVE })
         });
-        if best == centre {
+        if is_reached {
             return centre;
         }
-        verb = "moves to";
+        begun = case::MOVES;
     }
 }

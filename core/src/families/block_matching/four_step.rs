@@ -14,14 +14,22 @@
 
 use super::three_step::SQUARE;
 use crate::base::Observer;
-use crate::methods::block_search::{
-    BlockSearch, Event, Tester, around, block_search_params, search_pseudocode, vector,
-};
+use crate::cases;
+use crate::methods::block_search::{BlockSearch, Event, Tester, around, block_search_params, search_pseudocode, value};
 use crate::run::Info;
+use crate::scene::Step;
 
 block_search_params! {
     /// Four-step search: a 5×5 square descends the cost surface; the last step tests the 3×3 neighbourhood.
     pub struct FourStep {}
+}
+
+cases! { over value;
+    SQUARE_STARTS: "The square of 9 candidates, 2 px apart, starts at (0, 0).",
+    SQUARE_MOVES: "The square of 9 candidates moves to {center}: step {square} of at most {most_squares}.",
+    AT_MINIMUM: "The minimum of the square is its centre {center}: a local minimum is reached.",
+    MOVE: "The minimum {best:bare} is not the centre of the square: the square moves there.",
+    LAST: "Last step: the 3×3 neighbourhood of {best:bare}.",
 }
 
 search_pseudocode! {
@@ -48,30 +56,24 @@ impl BlockSearch for FourStep {
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
         let (mut centre, squares) = ([0, 0], (self.matching.search_range / 2).max(1));
         for number in 1..=squares {
-            tester.stage(line::TEST_SQUARE, around(centre, &SQUARE, 2), || match number {
-                1 => "The square of 9 candidates, 2 px apart, starts at (0, 0).".into(),
-                _ => format!(
-                    "The square of 9 candidates moves to {}: step {number} of at most {squares}.",
-                    vector(centre)
-                ),
+            tester.stage(around(centre, &SQUARE, 2), || {
+                let step = Step::at(line::TEST_SQUARE).put(value::CENTER, centre).put(value::SQUARE, number);
+                let told = if number == 1 { case::SQUARE_STARTS } else { case::SQUARE_MOVES };
+                step.put(value::MOST_SQUARES, squares).say(told)
             });
             let best = tester.best();
-            tester.report(line::MOVE_CENTER, || match best == centre {
-                true => {
-                    format!("The minimum of the square is its centre {}: a local minimum is reached.", vector(centre))
-                }
-                false => {
-                    format!("The minimum {} is not the centre of the square: the square moves there.", vector(best))
-                }
+            let is_reached = best == centre;
+            tester.report(|| {
+                let step = Step::at(line::MOVE_CENTER).put(value::CENTER, centre).put(value::BEST, best);
+                step.say(if is_reached { case::AT_MINIMUM } else { case::MOVE })
             });
-            if best == centre {
+            if is_reached {
                 break;
             }
             centre = best;
         }
         let best = tester.best();
-        tester.stage(line::TEST_NEIGHBORS, around(best, &SQUARE, 1), || {
-            format!("Last step: the 3×3 neighbourhood of {}.", vector(best))
-        });
+        let told = || Step::at(line::TEST_NEIGHBORS).put(value::BEST, best).say(case::LAST);
+        tester.stage(around(best, &SQUARE, 1), told);
     }
 }

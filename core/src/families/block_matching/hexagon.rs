@@ -10,12 +10,13 @@
 //! . . . . . . . .
 //! ```
 
-use super::diamond::{Descent, SMALL, descend};
+use super::diamond::{Descent, SMALL, case, descend};
 use crate::base::Observer;
 use crate::methods::block_search::{
-    BlockSearch, Displacement, Event, Tester, around, block_search_params, search_pseudocode, vector,
+    BlockSearch, Displacement, Event, Tester, around, block_search_params, search_pseudocode, value,
 };
 use crate::run::{Guarantee, Info};
+use crate::scene::Step;
 
 block_search_params! {
     /// Hexagon search: as diamond search, with a nearly circular pattern of fewer candidates.
@@ -50,8 +51,7 @@ impl BlockSearch for Hexagon {
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
         let lines = Descent { test: line::TEST_HEXAGON, decide: line::MOVE_CENTER };
         let centre = descend(tester, &HEXAGON, lines, "hexagon");
-        tester.stage(line::TEST_SMALL_DIAMOND, around(centre, &SMALL, 1), || {
-            format!("Small diamond: the centre {} and its 4 neighbours refine the match to 1 px.", vector(centre))
-        });
+        let told = || Step::at(line::TEST_SMALL_DIAMOND).put(value::CENTER, centre).say(case::SMALL_DIAMOND);
+        tester.stage(around(centre, &SMALL, 1), told);
     }
 }

@@ -20,16 +20,16 @@ use crate::data::{Clip, Counted, Frame, Truth};
 use crate::geometry::pyramid;
 use crate::methods::block_search::{
     Displacement, Event, HasSettings, Match, Matching, Neighbours, Pair, Pattern, Probe, QUESTIONS, Refinement, Relay,
-    Settings, Subpixel, Tester, Workspace, block_search_params, need, vector,
+    Settings, Subpixel, Tester, Workspace, block_search_params, need, value,
 };
 use crate::params::{Parameter as _, Value};
 use crate::products::{Block, BlockField, BlockGrid, Output, Product, ProductKind};
-use crate::pseudocode;
 use crate::run::{
     BlockVectors, Estimator, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, Stage, StageView,
     TestsCandidates,
 };
-use crate::scene::{Chart, Fact, Floor, Focus, Level, Levels, Question, Readout, Role, Scene, Sentence, Stack, Step};
+use crate::scene::{Chart, Floor, Focus, Level, Levels, Question, Readout, Role, Scene, Stack, Step};
+use crate::{cases, pseudocode};
 
 block_search_params! {
     /// Hierarchical search: block matching on the coarsest level of a Gaussian pyramid, refined level by level.
@@ -249,20 +249,15 @@ impl Hierarchical {
 
     /// Refines the vectors of the coarser level on a finer one.
     fn refine(&self, inherited: &[Displacement], tester: &mut Tester<impl Observer<Event>>) {
-        tester.stage(line::TEST_COARSER, inherited.iter().copied().chain([[0, 0]]), || {
-            let twice = inherited.first().map_or(String::new(), |first| vector(*first));
-            format!(
-                "Initial candidates: twice the vector of the nearest block on the coarser level, {twice}, those of its neighbours, and \
-                 (0, 0)."
-            )
+        tester.stage(inherited.iter().copied().chain([[0, 0]]), || {
+            let first = inherited.first().copied().unwrap_or_default();
+            Step::at(line::TEST_COARSER).put(value::DOUBLED, first).say(case::INHERITED)
         });
         let (best, reach) = (tester.best(), self.refinement_range as i32);
         let row = move |v| (-reach..=reach).map(move |u| [best[0] + u, best[1] + v]);
-        tester.stage(line::TEST_AROUND, (-reach..=reach).flat_map(row), || {
-            format!(
-                "One pixel of the coarser level is two pixels of this level, so the motion vector is refined within ±{reach} px of {}.",
-                vector(best)
-            )
+        tester.stage((-reach..=reach).flat_map(row), || {
+            let step = Step::at(line::TEST_AROUND).put(value::BEST, best).put(value::REFINEMENT_RANGE, reach);
+            step.say(case::REFINED)
         });
     }
 
@@ -299,6 +294,15 @@ impl Hierarchical {
         let truth = before.truth.as_deref().filter(|_| before.level == 0).map(|truth| (truth, before.frame));
         Probe { counted, truth, is_refinement: !before.is_coarsest(), ..probe }
     }
+}
+
+cases! { over value;
+    ON_LEVEL: "Level {level} of the pyramid, {width}×{height} px.",
+    INHERITED: "Initial candidates: twice the vector of the nearest block on the coarser level, {doubled}, those of its \
+                neighbours, and (0, 0).",
+    REFINED: "One pixel of the coarser level is two pixels of this level, so the motion vector is refined within \
+              ±{refinement_range} of {best:bare}.",
+    ON_PICTURE: "On level 0 this motion vector is {on_picture}.",
 }
 
 pseudocode! {
@@ -389,33 +393,27 @@ impl Estimator for Hierarchical {
 
     fn step(&self, seen: &Seen<Self>) -> Step {
         let state = seen.before;
-        let line = match seen.events.last() {
-            None => line::MAKE_PYRAMIDS,
-            Some(Event::Window) => line::EACH_BLOCK,
-            Some(Event::Stage { .. }) if state.is_coarsest() => line::SEARCH_COARSEST,
-            Some(Event::Stage { line, .. }) => *line,
-            Some(Event::Refine(_) | Event::Fit(_)) => line::REFINE_BEST,
-            Some(Event::Found(_)) => line::SET_DISPLACEMENT,
-            Some(Event::Candidate { .. } | Event::Skipped { .. }) => line::COMPUTE_COST,
-            Some(Event::NewBest { .. }) => line::KEEP_BEST,
-        };
         let found = state.matches();
-        let probe = self.probe(seen, &found);
-        let (width, height) = state.pair().blocks.picture;
-        let mut sentence = probe.sentence();
-        if let Some(Event::Window) = seen.events.last() {
-            let level = format!("Level {} of the pyramid, {width}×{height} px. ", state.level);
-            sentence = Sentence([vec![(level, None)], sentence.0].concat());
+        let (probe, (width, height)) = (self.probe(seen, &found), state.pair().blocks.picture);
+        let lead = Step::at(line::MAKE_PYRAMIDS)
+            .fact(value::LEVEL, state.level)
+            .fact(value::COARSEST, state.levels.len() - 1)
+            .put(value::WIDTH, width)
+            .put(value::HEIGHT, height)
+            .say_if(matches!(seen.events, [Event::Window]), case::ON_LEVEL);
+        let mut step = probe.step(lead);
+        match seen.events.last() {
+            None => step.line = line::MAKE_PYRAMIDS,
+            Some(Event::Window) => step.line = line::EACH_BLOCK,
+            Some(Event::Stage(_)) if state.is_coarsest() => step.line = line::SEARCH_COARSEST,
+            Some(Event::Candidate { .. } | Event::Skipped(_)) => step.line = line::COMPUTE_COST,
+            Some(Event::Found(found)) if state.level > 0 => {
+                let on_picture = found.displacement.map(|c| c << state.level);
+                step = step.put(value::ON_PICTURE, on_picture).say(case::ON_PICTURE);
+            }
+            Some(_) => {}
         }
-        if let Some(Event::Found(found)) = seen.events.last().filter(|_| state.level > 0) {
-            let on_picture = found.displacement.map(|c| c << state.level);
-            sentence = sentence
-                .text(" On level 0 this motion vector is ")
-                .ink(Role::Result, format!("{} px", vector(on_picture)))
-                .text(".");
-        }
-        let mut readouts = probe.readouts();
-        for readout in &mut readouts {
+        for readout in &mut step.readouts {
             if let Readout::Surface(surface) = readout {
                 // A finer level tests few candidates of a wide search window: only the part around them is shown.
                 if !state.is_coarsest() {
@@ -425,13 +423,7 @@ impl Estimator for Hierarchical {
                 surface.footing = surface.footing.take().map(|footing| footing.enlarged(factor));
             }
         }
-        if let Some(Readout::Facts(facts)) = readouts.first_mut() {
-            let of = state.levels.len() - 1;
-            let value = format!("{} ({of} is the coarsest), {width}×{height} px", state.level);
-            facts.insert(0, Fact::new("Level", value, None));
-        }
-        readouts.push(Readout::Stack(self.stack(seen, &probe)));
-        Step { line, sentence, readouts }
+        step.show(Readout::Stack(self.stack(seen, &probe)))
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {

@@ -16,14 +16,22 @@
 use super::diamond::SMALL as CROSS;
 use super::three_step::SQUARE;
 use crate::base::Observer;
-use crate::methods::block_search::{
-    BlockSearch, Event, Tester, around, block_search_params, search_pseudocode, vector,
-};
+use crate::cases;
+use crate::methods::block_search::{BlockSearch, Event, Tester, around, block_search_params, search_pseudocode, value};
 use crate::run::Info;
+use crate::scene::Step;
 
 block_search_params! {
     /// Two-dimensional logarithmic search: a cross descends the cost surface and halves its step at each minimum.
     pub struct LogSearch {}
+}
+
+cases! { over value;
+    FIRST_STEP: "Search range {range}: the initial step is {step}, a power of two.",
+    CROSS: "Cross of 5 candidates around {center} with arms of {step}.",
+    HALVED_AT_CENTER: "The minimum {best:bare} is the centre: the step is halved to {step}.",
+    HALVED_AT_LIMIT: "The minimum {best:bare} is at the limit of the search window: the step is halved to {step}.",
+    NEIGHBOURS: "Step 1 px: the 8 neighbours of the best match are tested, and the search ends.",
 }
 
 search_pseudocode! {
@@ -50,26 +58,26 @@ impl BlockSearch for LogSearch {
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
         // 2^(⌊log₂ range⌋ − 1) as in the paper.
         let mut step = (1 << self.matching.search_range.ilog2() >> 1).max(2);
-        tester.report(line::SET_STEP, || {
-            format!("Search range {} px: the initial step is {step} px, a power of two.", self.matching.search_range)
+        tester.report(|| {
+            let range = self.matching.search_range;
+            Step::at(line::SET_STEP).put(value::RANGE, range).put(value::STEP, step).say(case::FIRST_STEP)
         });
         while step > 1 {
             let centre = tester.best();
-            tester.stage(line::TEST_CROSS, around(centre, &CROSS, step), || {
-                format!("Cross of 5 candidates around {} with arms of {step} px.", vector(centre))
+            tester.stage(around(centre, &CROSS, step), || {
+                Step::at(line::TEST_CROSS).put(value::CENTER, centre).put(value::STEP, step).say(case::CROSS)
             });
             let best = tester.best();
-            let at_edge = tester.window.is_at_edge(best);
-            if best == centre || at_edge {
+            let is_reached = best == centre;
+            if is_reached || tester.window.is_at_edge(best) {
                 step /= 2;
-                tester.report(line::HALVE_STEP, || {
-                    let why = if best == centre { "the centre" } else { "at the limit of the search window" };
-                    format!("The minimum {} is {why}: the step is halved to {step} px.", vector(best))
+                tester.report(|| {
+                    let told = if is_reached { case::HALVED_AT_CENTER } else { case::HALVED_AT_LIMIT };
+                    Step::at(line::HALVE_STEP).put(value::BEST, best).put(value::STEP, step).say(told)
                 });
             }
         }
-        tester.stage(line::TEST_NEIGHBORS, around(tester.best(), &SQUARE, 1), || {
-            "Step 1 px: the 8 neighbours of the best match are tested, and the search ends.".into()
-        });
+        let around = around(tester.best(), &SQUARE, 1);
+        tester.stage(around, || Step::at(line::TEST_NEIGHBORS).say(case::NEIGHBOURS));
     }
 }

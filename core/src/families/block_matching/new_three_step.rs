@@ -15,14 +15,23 @@
 
 use super::three_step::SQUARE;
 use crate::base::Observer;
-use crate::methods::block_search::{
-    BlockSearch, Event, Tester, around, block_search_params, search_pseudocode, vector,
-};
+use crate::cases;
+use crate::methods::block_search::{BlockSearch, Event, Tester, around, block_search_params, search_pseudocode, value};
 use crate::run::Info;
+use crate::scene::Step;
 
 block_search_params! {
     /// New three-step search: a centre-biased three-step search with an early stop for small motion.
     pub struct NewThreeStep {}
+}
+
+cases! { over value;
+    FIRST_STEP: "The first step is half the search range of {range}, rounded up: {step}.",
+    BOTH_SQUARES: "Most motion is small (centre bias), so (0, 0) and its 8 neighbours are tested besides the 8 candidates at \
+                   {step}.",
+    FIRST_STOP: "First-step stop: the minimum is (0, 0), so the block is taken as static.",
+    SECOND_STOP: "Second-step stop: the minimum {best:bare} is next to (0, 0), and the search ends with its neighbours.",
+    OUTER: "The minimum {best:bare} is an outer candidate: continue there with a step of {step}.",
 }
 
 search_pseudocode! {
@@ -51,37 +60,24 @@ impl BlockSearch for NewThreeStep {
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
         let mut left = self.matching.search_range as i32;
         let step = (left + 1) / 2;
-        tester.report(line::SET_STEP, || {
-            format!("The first step is half the search range of {left} px, rounded up: {step} px.")
-        });
-        tester.stage(line::TEST_BOTH_SQUARES, around([0, 0], &SQUARE, 1).chain(around([0, 0], &SQUARE[1..], step)), || {
-            format!(
-                "Most motion is small (centre bias), so (0, 0) and its 8 neighbours are tested besides the 8 candidates at \
-                 {step} px."
-            )
+        tester.report(|| Step::at(line::SET_STEP).put(value::RANGE, left).put(value::STEP, step).say(case::FIRST_STEP));
+        tester.stage(around([0, 0], &SQUARE, 1).chain(around([0, 0], &SQUARE[1..], step)), || {
+            Step::at(line::TEST_BOTH_SQUARES).put(value::STEP, step).say(case::BOTH_SQUARES)
         });
         let best = tester.best();
         if best == [0, 0] {
-            return tester.report(line::STOP_AT_ZERO, || {
-                "First-step stop: the minimum is (0, 0), so the block is taken as static.".into()
-            });
+            return tester.report(|| Step::at(line::STOP_AT_ZERO).say(case::FIRST_STOP));
         }
         if best.iter().all(|c| c.abs() <= 1) {
-            return tester.stage(line::TEST_NEXT_TO_IT, around(best, &SQUARE, 1), || {
-                format!(
-                    "Second-step stop: the minimum {} is next to (0, 0), and the search ends with its neighbours.",
-                    vector(best)
-                )
+            return tester.stage(around(best, &SQUARE, 1), || {
+                Step::at(line::TEST_NEXT_TO_IT).put(value::BEST, best).say(case::SECOND_STOP)
             });
         }
         left -= step;
         while left > 0 {
             let (centre, step) = (tester.best(), (left + 1) / 2);
-            tester.stage(line::TEST_SQUARE, around(centre, &SQUARE, step), || {
-                format!(
-                    "The minimum {} is an outer candidate: continue there with a step of {step} px.",
-                    vector(centre)
-                )
+            tester.stage(around(centre, &SQUARE, step), || {
+                Step::at(line::TEST_SQUARE).put(value::BEST, centre).put(value::STEP, step).say(case::OUTER)
             });
             left -= step;
         }

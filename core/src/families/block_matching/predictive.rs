@@ -16,11 +16,12 @@
 use super::diamond::{Descent, LARGE, SMALL, descend};
 use super::three_step::SQUARE;
 use crate::base::Observer;
+use crate::cases;
 use crate::methods::block_search::{
-    BlockSearch, Event, Match, Subpixel, Tester, around, block_search_params, search_pseudocode, vector,
+    BlockSearch, Event, Subpixel, Tester, around, block_search_params, search_pseudocode, value,
 };
 use crate::run::Info;
-use crate::scene::Name;
+use crate::scene::{Case, Name, Number, Step};
 
 block_search_params! {
     /// Predictive search (EPZS): starts at predictors, stops early if one matches, and descends to a minimum otherwise.
@@ -49,6 +50,27 @@ block_search_params! {
         "grid-starts" => "fixed-squares",
         "temporal" => "temporal-predictor",
     }
+}
+
+cases! { over value;
+    NO_NEIGHBOUR: "No neighbour is searched yet: the median predictor is (0, 0).",
+    MEDIAN: "Neighbours: {neighbours}. The median predictor is {predictor}.",
+    ROUNDED_MEDIAN: "Neighbours: {neighbours}. The median predictor is {predictor} in whole px.",
+    STOP_AT_MEDIAN: "{measure} {distortion} of the median predictor does not exceed the termination threshold {threshold}: early \
+                     termination.",
+    PREDICTORS: "The median predictor exceeds the termination threshold, so (0, 0) and the neighbours' motion vectors are tested",
+    COLLOCATED: ", and the collocated block's {collocated}",
+    ACCELERATED: ", with its acceleration {accelerated}",
+    TESTED: ".",
+    ADAPTED: "The lowest cost of a neighbour is {neighbour_cost}, and texture and noise are similar here: the termination \
+              threshold is raised from {fixed_threshold} to {threshold}.",
+    STOP_AT_PREDICTOR: "{measure} {distortion} of the best predictor does not exceed the termination threshold {threshold}: \
+                        early termination.",
+    STOP_BELOW_ADAPTED: "{measure} {distortion} of the best predictor does not exceed the adaptive threshold {threshold}: early \
+                         termination.",
+    FIXED_PREDICTORS: "{measure} {distortion} exceeds {threshold}, a poor match: no predictor is near the motion, which differs \
+                       from that of the neighbours or is too large. Squares with a spacing of {step} around (0, 0) are tested.",
+    NEIGHBOURS: "The 4 neighbours of {center} refine the match to 1 px.",
 }
 
 search_pseudocode! {
@@ -91,14 +113,16 @@ impl BlockSearch for Predictive {
 
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
         self.test_median(tester);
-        let fixed =
-            Threshold { name: "the termination threshold", cost: tester.cost_of_levels(self.termination_threshold) };
-        if stops(tester, &fixed, (line::STOP_AT_MEDIAN, "the median predictor")) {
+        let fixed = tester.cost_of_levels(self.termination_threshold);
+        if stops(tester, fixed, line::STOP_AT_MEDIAN, case::STOP_AT_MEDIAN) {
             return;
         }
         test_predictors(tester);
-        let adapted = self.adapted(tester, fixed);
-        if stops(tester, &adapted, (line::STOP_AT_PREDICTOR, "the best predictor")) {
+        let (most, told) = match self.adapted(tester, fixed) {
+            Some(adapted) => (adapted, case::STOP_BELOW_ADAPTED),
+            None => (fixed, case::STOP_AT_PREDICTOR),
+        };
+        if stops(tester, most, line::STOP_AT_PREDICTOR, told) {
             return;
         }
         let lines = Descent { test: line::TEST_SMALL_DIAMOND, decide: line::UNTIL_BEST_STAYS };
@@ -114,63 +138,56 @@ impl BlockSearch for Predictive {
 /// The cost of a poor match, as a multiple of the lowest cost of a neighbour: where all blocks match alike, none is poor.
 const FAR_ABOVE: f64 = 2.0;
 
-/// A cost per block at which a search stops.
-struct Threshold {
-    name: &'static str,
-    cost: f64,
-}
-
 impl Predictive {
     fn test_median(&self, tester: &mut Tester<impl Observer<Event>>) {
         let neighbours = tester.neighbours;
         let median = neighbours.median();
         // Predictors are rounded: the search is in whole px, whatever the refinement.
-        let whole = if tester.settings.refinement.subpixel == Subpixel::None { "" } else { " in whole px" };
-        tester.stage(line::TEST_MEDIAN, std::iter::once(median), || {
-            let names =
-                [("left", neighbours.left), ("above", neighbours.above), ("above right", neighbours.above_right)];
-            match named(&names) {
-                known if known.is_empty() => "No neighbour is searched yet: the median predictor is (0, 0).".into(),
-                known => format!("Neighbours: {known}. The median predictor is {}{whole}.", vector(median)),
-            }
+        let is_whole = tester.settings.refinement.subpixel == Subpixel::None;
+        tester.stage(std::iter::once(median), || {
+            let all = [("left", neighbours.left), ("above", neighbours.above), ("above right", neighbours.above_right)];
+            let known =
+                all.iter().filter_map(|(name, found)| Some((name, value::NEIGHBOURS.is(found.as_ref()?.vector()))));
+            let named = known.map(|(name, at)| format!("{name} {}", at.bare())).collect::<Number>();
+            let step = Step::at(line::TEST_MEDIAN).put(value::NEIGHBOURS, named).put(value::PREDICTOR, median);
+            step.say(match neighbours.spatial().next() {
+                None => case::NO_NEIGHBOUR,
+                Some(_) if is_whole => case::MEDIAN,
+                Some(_) => case::ROUNDED_MEDIAN,
+            })
         });
     }
 
     /// Tests the fixed predictors and descends from the best candidate.
     fn test_fixed(&self, tester: &mut Tester<impl Observer<Event>>, poor: f64) {
-        let (settings, cost) = (tester.settings.without_rate(), tester.best_distortion());
+        let (settings, cost) = (tester.settings, tester.best_distortion());
         let (step, range) = (self.fixed_step as i32, self.matching.search_range as i32);
         let squares = (1..=self.fixed_squares as i32).map(move |n| n * step).take_while(move |&side| side <= range);
         let fixed = squares.flat_map(|side| SQUARE[1..].iter().map(move |[u, v]| [side * u, side * v]));
-        tester.stage(line::TEST_FIXED, fixed, || {
-            let (cost, poor) = (settings.show(cost), settings.number(poor));
-            format!(
-                "{cost} exceeds {poor}, a poor match: no predictor is near the motion, which differs from that of the \
-                 neighbours or is too large. Squares with a spacing of {step} px around (0, 0) are tested."
-            )
+        tester.stage(fixed, || {
+            let told = settings.compared(Step::at(line::TEST_FIXED), cost, poor);
+            told.put(value::STEP, step).say(case::FIXED_PREDICTORS)
         });
         let lines = Descent { test: line::TEST_LARGE_DIAMOND, decide: line::UNTIL_CENTER_STAYS };
         let centre = descend(tester, &LARGE, lines, "large diamond");
-        tester.stage(line::UNTIL_CENTER_STAYS, around(centre, &SMALL, 1), || {
-            format!("The 4 neighbours of {} refine the match to 1 px.", vector(centre))
+        tester.stage(around(centre, &SMALL, 1), || {
+            Step::at(line::UNTIL_CENTER_STAYS).put(value::CENTER, centre).say(case::NEIGHBOURS)
         });
     }
 
-    /// The adaptive threshold: a block need not match better than the best of its neighbours.
-    fn adapted(&self, tester: &mut Tester<impl Observer<Event>>, fixed: Threshold) -> Threshold {
+    /// The adaptive threshold, where it is higher than the `fixed` one: a block need not match better than the best of its neighbours.
+    fn adapted(&self, tester: &mut Tester<impl Observer<Event>>, fixed: f64) -> Option<f64> {
         let (settings, most) = (tester.settings, tester.cost_of_levels(self.fixed_threshold));
-        let Some(least) = tester.least_of_neighbours().filter(|&least| least.min(most) > fixed.cost) else {
-            return fixed;
-        };
-        let cost = least.min(most);
-        tester.report(line::ADAPT_THRESHOLD, || {
-            let [least, before, after] = [least, fixed.cost, cost].map(|cost| settings.number(cost));
-            format!(
-                "The lowest cost of a neighbour is {least}, and texture and noise are similar here: the termination threshold is \
-                 raised from {before} to {after}."
-            )
+        let least = tester.least_of_neighbours().filter(|&least| least.min(most) > fixed)?;
+        let adapted = least.min(most);
+        tester.report(|| {
+            Step::at(line::ADAPT_THRESHOLD)
+                .put_value(settings.cost(value::NEIGHBOUR_COST, least))
+                .put_value(settings.cost(value::FIXED_THRESHOLD, fixed))
+                .put_value(settings.cost(value::THRESHOLD, adapted))
+                .say(case::ADAPTED)
         });
-        Threshold { name: "the adaptive threshold", cost }
+        Some(adapted)
     }
 }
 
@@ -180,33 +197,21 @@ fn test_predictors(tester: &mut Tester<impl Observer<Event>>) {
     let (before, accelerated) = (neighbours.before.map(|before| before.displacement), neighbours.accelerated());
     let spatial = neighbours.spatial().map(|found| found.displacement);
     let predicted = std::iter::once([0, 0]).chain(spatial).chain(before).chain(accelerated);
-    tester.stage(line::TEST_PREDICTORS, predicted, || {
-        let before =
-            before.map(|before| format!(", and the collocated block's {}", vector(before))).unwrap_or_default();
-        let accelerated = accelerated.map(|at| format!(", with its acceleration {}", vector(at))).unwrap_or_default();
-        format!(
-            "The median predictor exceeds the termination threshold, so (0, 0) and the neighbours' motion vectors are \
-             tested{before}{accelerated}."
-        )
+    tester.stage(predicted, || {
+        let temporal =
+            [(value::COLLOCATED, before, case::COLLOCATED), (value::ACCELERATED, accelerated, case::ACCELERATED)];
+        let known = temporal.into_iter().filter_map(|(of, at, told)| Some((of, at?, told)));
+        let step = Step::at(line::TEST_PREDICTORS).say(case::PREDICTORS);
+        known.fold(step, |step, (of, at, told)| step.put(of, at).say(told)).say(case::TESTED)
     });
 }
 
-/// Whether the search stops because the best match so far, called `name`, does not exceed a threshold, a test at `line` of the
-/// pseudocode.
-fn stops(tester: &mut Tester<impl Observer<Event>>, threshold: &Threshold, (line, name): (Name, &str)) -> bool {
-    let (settings, cost) = (tester.settings.without_rate(), tester.best_distortion());
-    let stops = cost <= threshold.cost;
+/// Whether the search stops, as `told` at `line`, because the best match so far does not exceed a threshold.
+fn stops(tester: &mut Tester<impl Observer<Event>>, threshold: f64, line: Name, told: &'static Case) -> bool {
+    let (settings, cost) = (tester.settings, tester.best_distortion());
+    let stops = cost <= threshold;
     if stops {
-        tester.report(line, || {
-            let (cost, most) = (settings.show(cost), settings.number(threshold.cost));
-            format!("{cost} of {name} does not exceed {} {most}: early termination.", threshold.name)
-        });
+        tester.report(|| settings.compared(Step::at(line), cost, threshold).say(told));
     }
     stops
-}
-
-/// The neighbours that exist: `left (1, 0), above (2, 0)`.
-fn named(all: &[(&str, Option<Match>)]) -> String {
-    let known = all.iter().filter_map(|(name, found)| found.map(|found: Match| (name, found.vector())));
-    known.map(|(name, at)| format!("{name} {}", vector(at))).collect::<Vec<_>>().join(", ")
 }

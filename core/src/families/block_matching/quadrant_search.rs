@@ -13,10 +13,12 @@
 //! ```
 
 use crate::base::Observer;
+use crate::cases;
 use crate::methods::block_search::{
-    BlockSearch, Displacement, Event, Tester, Window, block_search_params, search_pseudocode, vector,
+    BlockSearch, Displacement, Event, Tester, Window, block_search_params, search_pseudocode, value,
 };
 use crate::run::{Guarantee, Info};
+use crate::scene::Step;
 
 block_search_params! {
     /// Logarithmic search by quadrants: the search window is quartered again and again, keeping the quadrant with the
@@ -28,6 +30,14 @@ block_search_params! {
         min_decrease: f32 = 0.0, 0.0..=100.0, "%";
     }
     renamed { "smallest" => "min-window", "least-gain" => "min-decrease" }
+}
+
+cases! { over value;
+    DIVIDED: "The window from {from} to {to} is divided into quadrants: their vertices and centres are the candidates.",
+    KEPT: "The minimum {best:bare} lies in the quadrant around {center}: this quadrant is kept.",
+    SMALLEST: "The quadrant is {quadrant} wide, at most the min window of {min_window}: the search stops.",
+    ALL_TESTED: "The quadrant is {quadrant} wide and fully tested: the search stops.",
+    LEAST_DECREASE: "The minimum decreased by {decrease}, less than {min_decrease}: the search stops.",
 }
 
 search_pseudocode! {
@@ -59,8 +69,8 @@ impl BlockSearch for QuadrantSearch {
         loop {
             let (whole, before) = (part, tester.best_cost());
             tester.narrowed = Some(whole.window());
-            tester.stage(line::TEST_QUADRANTS, whole.points().into_iter(), || {
-                format!("{} is divided into quadrants: their vertices and centres are the candidates.", whole.named())
+            tester.stage(whole.points().into_iter(), || {
+                Step::at(line::TEST_QUADRANTS).put(value::FROM, whole.min).put(value::TO, whole.max).say(case::DIVIDED)
             });
             let best = tester.best();
             let cost = |quadrant: &Part| tester.known(quadrant.centre()).unwrap_or(f64::INFINITY);
@@ -68,25 +78,24 @@ impl BlockSearch for QuadrantSearch {
             // The minimum so far was always kept, so a quadrant holds it.
             part = holding.min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap_or(whole);
             tester.narrowed = Some(part.window());
-            tester.report(line::KEEP_QUADRANT, || {
-                let (best, centre) = (vector(best), vector(part.centre()));
-                format!("The minimum {best} lies in the quadrant around {centre}: this quadrant is kept.")
+            tester.report(|| {
+                Step::at(line::KEEP_QUADRANT).put(value::BEST, best).put(value::CENTER, part.centre()).say(case::KEPT)
             });
             let gain = if before > 0.0 { 100.0 * (before - tester.best_cost()) / before } else { 0.0 };
             // All corners of a part are tested, so one of 2 px has no new candidate.
             if part.side() <= self.min_window.max(2) {
                 let (side, smallest) = (part.side(), self.min_window);
-                return tester.report(line::STOP_AT_SMALLEST, || match side <= smallest {
-                    true => format!(
-                        "The quadrant is {side} px wide, at most the min window of {smallest} px: the search stops."
-                    ),
-                    false => format!("The quadrant is {side} px wide and fully tested: the search stops."),
+                return tester.report(|| {
+                    let step = Step::at(line::STOP_AT_SMALLEST).put(value::QUADRANT, side);
+                    let told = if side <= smallest { case::SMALLEST } else { case::ALL_TESTED };
+                    step.put(value::MIN_WINDOW, smallest).say(told)
                 });
             }
             if before.is_finite() && gain < f64::from(self.min_decrease) {
                 let least = self.min_decrease;
-                return tester.report(line::STOP_AT_LEAST_GAIN, || {
-                    format!("The minimum decreased by {gain:.1} %, less than {least} %: the search stops.")
+                return tester.report(|| {
+                    let step = Step::at(line::STOP_AT_LEAST_GAIN).put(value::DECREASE, gain);
+                    step.put(value::MIN_DECREASE, least).say(case::LEAST_DECREASE)
                 });
             }
         }
@@ -137,9 +146,5 @@ impl Part {
     fn window(&self) -> Window {
         let size = [0, 1].map(|i| (self.max[i] - self.min[i]) as usize + 1);
         Window { min: self.min, size: (size[0], size[1]) }
-    }
-
-    fn named(&self) -> String {
-        format!("The window from {} to {}", vector(self.min), vector(self.max))
     }
 }

@@ -16,16 +16,15 @@ use std::sync::Arc;
 
 use crate::base::Observer;
 use crate::methods::{
-    block_search::{
-        BlockSearch, Displacement, Event, Patch, Skipped, Tester, block_search_params, counted_share, vector,
-    },
+    block_search::{BlockSearch, Displacement, Event, Patch, Skipped, Tester, block_search_params, percent, value},
     cost::{
         Sum,
         bounds::{LANES, PartSums, Parts},
     },
 };
-use crate::pseudocode;
 use crate::run::{Guarantee, Info};
+use crate::scene::Step;
+use crate::{cases, pseudocode};
 
 block_search_params! {
     /// Full search with successive elimination: skips candidates by lower bounds of their cost. It finds what full search finds.
@@ -34,6 +33,13 @@ block_search_params! {
         /// Bounds are used for SAD, SSD and MSE; with the other costs nothing is skipped.
         bound_levels: usize = 3, 1..=5;
     }
+}
+
+cases! { over value;
+    FIRST: "(0, 0) and the median predictor {predictor} are tested first: the lower the minimum, the more candidates are \
+            skipped.",
+    SKIPPED: "Skipped without computing their cost: {skipped:bare} of {candidates}, {share_skipped}.",
+    NO_BOUND: "Successive elimination has no lower bound for {label} here, so every candidate is tested.",
 }
 
 pseudocode! {
@@ -80,12 +86,7 @@ impl BlockSearch for SuccessiveElimination {
 
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
         let first = [[0, 0], tester.neighbours.median()];
-        tester.stage(line::TEST_FIRST, first.into_iter(), || {
-            format!(
-                "(0, 0) and the median predictor {} are tested first: the lower the minimum, the more candidates are skipped.",
-                vector(first[1])
-            )
-        });
+        tester.stage(first.into_iter(), || Step::at(line::TEST_FIRST).put(value::PREDICTOR, first[1]).say(case::FIRST));
         match tester.settings.matching.cost.sum() {
             Some(sum) => self.eliminate(tester, sum),
             None => test_all(tester),
@@ -110,8 +111,9 @@ impl SuccessiveElimination {
         }
         let skipped = window.count() - tester.tested;
         tester.skipped = skipped;
-        tester.report(line::REPORT_SHARE, || {
-            format!("Skipped without computing their cost: {}.", counted_share(skipped, window.count()))
+        tester.report(|| {
+            let step = Step::at(line::REPORT_SHARE).put(value::SKIPPED, skipped).put(value::CANDIDATES, window.count());
+            step.put(value::SHARE_SKIPPED, percent(skipped, window.count())).say(case::SKIPPED)
         });
     }
 
@@ -128,9 +130,7 @@ impl SuccessiveElimination {
 fn test_all(tester: &mut Tester<impl Observer<Event>>) {
     let (window, label) = (tester.window, tester.settings.matching.cost.label());
     let all = (0..window.count()).map(|index| window.displacement(index));
-    tester.stage(line::NO_BOUND, all, || {
-        format!("Successive elimination has no lower bound for {label} here, so every candidate is tested.")
-    });
+    tester.stage(all, || Step::at(line::NO_BOUND).put(value::LABEL, label).say(case::NO_BOUND));
 }
 
 /// Candidates beside each other: the first, and their number.
@@ -177,15 +177,13 @@ impl Elimination<'_> {
             // The minimum may have fallen since, and the price of a displacement lowers the limit.
             let limit = tester.sum_limit(Some(at));
             match bounds[..known].iter().position(|bounds| bounds[lane] > limit) {
-                Some(level) => tester.skip(line::SKIP_CANDIDATE, self.skipped(at, (level, bounds[level][lane]))),
+                Some(level) => {
+                    let (bound, side) = (bounds[level][lane], self.parts[level].side);
+                    tester.skip(Skipped { displacement: at, bound, side });
+                }
                 None => tester.test(at),
             }
         }
-    }
-
-    /// A candidate excluded by the bound of a level.
-    fn skipped(&self, displacement: Displacement, (level, bound): (usize, u32)) -> Skipped {
-        Skipped { displacement, bound, side: self.parts[level].side }
     }
 }
 

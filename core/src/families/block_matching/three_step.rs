@@ -13,10 +13,12 @@
 //! ```
 
 use crate::base::Observer;
+use crate::cases;
 use crate::methods::block_search::{
-    BlockSearch, Displacement, Event, Tester, around, block_search_params, search_pseudocode, vector,
+    BlockSearch, Displacement, Event, Tester, around, block_search_params, search_pseudocode, value,
 };
 use crate::run::Info;
+use crate::scene::Step;
 
 block_search_params! {
     /// Three-step search: a square of nine candidates with a step that is halved at each iteration.
@@ -26,6 +28,11 @@ block_search_params! {
 /// A centre and its eight neighbours.
 pub(super) const SQUARE: [Displacement; 9] =
     [[0, 0], [-1, -1], [0, -1], [1, -1], [-1, 0], [1, 0], [-1, 1], [0, 1], [1, 1]];
+
+cases! { over value;
+    HALVED: "The step is half of the {rest} that remain of the search range, rounded up: {step}.",
+    SQUARE: "Square of 9 candidates with a step of {step} around {center}.",
+}
 
 search_pseudocode! {
     WHILE_LEFT: "  rest ← search range; while rest > 0",
@@ -51,11 +58,10 @@ impl BlockSearch for ThreeStep {
         let mut left = self.matching.search_range as i32;
         while left > 0 {
             let (centre, step) = (tester.best(), (left + 1) / 2);
-            tester.report(line::HALVE_STEP, || {
-                format!("The step is half of the {left} px that remain of the search range, rounded up: {step} px.")
-            });
-            tester.stage(line::TEST_SQUARE, around(centre, &SQUARE, step), || {
-                format!("Square of 9 candidates with a step of {step} px around {}.", vector(centre))
+            tester
+                .report(|| Step::at(line::HALVE_STEP).put(value::REST, left).put(value::STEP, step).say(case::HALVED));
+            tester.stage(around(centre, &SQUARE, step), || {
+                Step::at(line::TEST_SQUARE).put(value::STEP, step).put(value::CENTER, centre).say(case::SQUARE)
             });
             left -= step;
         }

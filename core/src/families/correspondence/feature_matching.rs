@@ -7,11 +7,12 @@ use std::sync::Arc;
 use crate::base::{Error, Mapped, Observer, Tally, Threads};
 use crate::data::{Clip, Flow};
 use crate::methods::differential::truth;
+use crate::methods::features::value as features;
 use crate::methods::matching::{self, Outcome, Pair, Settings};
 use crate::products::{Match, MatchField, MatchStatus, Output, Product, ProductKind};
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Case, Chart, Focus, Picture, Question, Role, Scene, Step};
-use crate::{params, pseudocode};
+use crate::scene::{Chart, Focus, Picture, Question, Reply, Role, Scene, Step, Unit};
+use crate::{cases, params, pseudocode, variables};
 
 params! {
     /// Keypoints of frame t matched with those of frame t + 1 by the distances of their descriptors.
@@ -89,6 +90,98 @@ pseudocode! {
     ACCEPT: "  else a and b are a match",
 }
 
+variables! {
+    /// The keypoints of frame t + 1.
+    KEYPOINTS_THERE: "", "", Unit::count("");
+    /// The candidates of the keypoint.
+    CANDIDATES: "", "", Unit::count("");
+    /// The candidate that is nearer than all before it.
+    CANDIDATE: "", r"\mathbf{b}", Unit::PX, Role::Candidate;
+    /// The distance of the descriptors of the keypoint and the candidate.
+    DISTANCE: "", "d", Unit::RATIO;
+    /// The nearest neighbour of the keypoint.
+    NEAREST: "Nearest", "", Unit::PX, Role::Best;
+    /// The second nearest neighbour of the keypoint.
+    SECOND: "Second nearest", "", Unit::PX, Role::Rejected;
+    /// The smallest distance of the descriptors.
+    D_1: "Distance d₁", "d_1", Unit::RATIO, Role::Best;
+    /// The second smallest distance of the descriptors.
+    D_2: "Distance d₂", "d_2", Unit::RATIO, Role::Rejected;
+    /// The ratio of both distances.
+    RATIO: "", r"\frac{d_1}{d_2}", Unit::FINE;
+    /// The ratio limit: the largest accepted ratio.
+    LIMIT: "", "", Unit::FINE;
+    /// The search radius.
+    RADIUS: "", "", Unit::new("px", 0);
+    /// The nearest neighbour of the nearest neighbour in frame t.
+    BACK: "", "", Unit::PX, Role::Rejected;
+    /// The displacement of the match.
+    DISPLACEMENT: "", r"(u, v)", Unit::PX;
+    /// The matches so far.
+    MATCHES: "Matches so far", "", Unit::count(""), Role::Result;
+    /// The matches that the ratio test rejected.
+    REJECTED_BY_RATIO: "", "", Unit::count("");
+    /// The matches that the cross-check rejected.
+    REJECTED_BY_CROSS_CHECK: "", "", Unit::count("");
+    /// The matches that passed without a ratio test.
+    UNTESTED: "", "", Unit::count("match");
+    /// The correct matches.
+    RIGHT: "", "", Unit::count("");
+    /// The matches with a known true displacement.
+    KNOWN: "", "", Unit::count("");
+    /// The share of these matches that are correct.
+    PRECISION: "", "", Unit::PERCENT;
+    /// The smallest ratio of all keypoints.
+    SMALLEST_RATIO: "", "", Unit::FINE;
+}
+
+cases! { over value, features;
+    OPENING: "A keypoint is found again by its descriptor. {keypoints:bare} keypoints of frame t are compared with \
+              {keypoints_there} of frame t+1; a match is a nearest neighbour that passes two tests.",
+    NO_KEYPOINTS: "Frame t has 0 keypoints, and a match needs at least 1. A lower threshold of the detector finds weaker ones.",
+    NEARER: "{candidate:bare} in frame t+1: descriptor distance d = {distance} from keypoint {position:bare}, the nearest so \
+             far.",
+    NO_CANDIDATE: "Keypoint {position:bare} has no candidate in the whole frame.",
+    NO_CANDIDATE_NEAR: "Keypoint {position:bare} has no candidate within the search radius of {radius}.",
+    COMPARED: "Keypoint {position:bare} was compared with all {candidates} candidates in the whole frame.",
+    COMPARED_NEAR: "Keypoint {position:bare} was compared with all {candidates} candidates within the search radius of \
+                    {radius}.",
+    TWO: "Nearest neighbour {nearest:bare}, d₁ = {d_1}; second nearest {second:bare}, d₂ = {d_2}.",
+    ONE: "The only candidate is {nearest:bare}, d₁ = {d_1}: without a second one there is no ratio to test.",
+    NONE: "Without a candidate there is no nearest neighbour.",
+    MEASURED: "Ratio test: d₁ / d₂ = {ratio}",
+    IS_UNDEFINED: "Ratio test: d₁ and d₂ are both 0, so d₁ / d₂ is undefined and",
+    IS_BELOW: "is below the limit {limit}, so the match is distinctive.",
+    IS_NOT_BELOW: "is not below the limit {limit}",
+    ALIKE: ": two candidates look alike, so the nearest may be wrong. Rejected.",
+    EQUAL: ": two candidates match exactly, and neither is nearer. Rejected.",
+    MUTUAL: "Cross-check: the nearest neighbour of b in frame t is the keypoint itself, so both choose each other.",
+    NOT_MUTUAL: "Cross-check: the nearest neighbour of b in frame t is {back:bare}, another keypoint: rejected.",
+    NO_OUTCOME: "No candidate, so no match.",
+    MATCH: "{result|Match} with the displacement {displacement}",
+    FAILS_RATIO: "{rejected|No match} after the ratio test",
+    FAILS_CROSS_CHECK: "{rejected|No match} after the cross-check",
+    IS_RIGHT: ": correct, within 3 px of the true displacement.",
+    IS_WRONG: ": wrong, more than 3 px from the true displacement.",
+    WAS_RIGHT: ", although the nearest neighbour is correct.",
+    WAS_WRONG: "; the nearest neighbour is wrong.",
+    IS_UNKNOWN: ".",
+    WAS_ALONE: "It was the only candidate, so there was no ratio to test.",
+    NO_MATCHES: "End of the run without matches.",
+    END: "End of the run: {matches} of {keypoints:bare} keypoints matched; the ratio test rejected {rejected_by_ratio}, the \
+          cross-check {rejected_by_cross_check}.",
+    ONE_UNTESTED: "{untested} had a single candidate, so it passed without a ratio test.",
+    SOME_UNTESTED: "{untested} had a single candidate, so they passed without a ratio test.",
+    QUALITY: "{right} of {known} with known true displacement are correct, {precision}.",
+    OFF_PLANE: "The truth is a homography, which holds for one plane: a correct match of a point off the plane counts as \
+                wrong.",
+    NOTHING_THERE: "Frame t+1 has 0 keypoints, and a match needs at least 1.",
+    ALL_UNDEFINED: "All ratios are undefined: each keypoint has two candidates at distance 0.",
+    RAISE_LIMIT: "The smallest ratio is {smallest_ratio}, and the limit is {limit}; a higher one accepts more.",
+    SET_LIMIT: "A ratio limit below 1 rejects nearest neighbours that are hardly nearer than the second.",
+    LOWER_LIMIT: "A lower ratio limit rejects more wrong matches, but on repeating texture correct ones too.",
+}
+
 impl Estimator for FeatureMatching {
     const INFO: Info = Info {
         id: "feature-matching",
@@ -106,8 +199,8 @@ impl Estimator for FeatureMatching {
             "distinctive",
             "Does the match pass the ratio test?",
             &[
-                Case::says(line::RATIO_TEST, "is not below the limit", "No: two candidates look alike"),
-                Case::says(line::RATIO_TEST, "is below the limit", "Yes: the nearest is much nearer than the second"),
+                Reply::told(line::RATIO_TEST, case::IS_NOT_BELOW, "No: two candidates look alike"),
+                Reply::told(line::RATIO_TEST, case::IS_BELOW, "Yes: the nearest is much nearer than the second"),
             ],
         ),
         Question::place(

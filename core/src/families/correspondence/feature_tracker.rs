@@ -7,11 +7,12 @@ use std::sync::Arc;
 use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::{Clip, Flow};
 use crate::methods::differential::truth;
+use crate::methods::features::value as features;
 use crate::methods::matching::{Described, Outcome, Settings};
 use crate::products::{Feature, MatchStatus, Output, Product, ProductKind, Status, Track, TrackField};
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Progress, Seen, Span, need, run_counted};
-use crate::scene::{Case, Chart, Question, Role, Scene, Step};
-use crate::{params, pseudocode};
+use crate::scene::{Chart, Question, Reply, Role, Scene, Step, Unit};
+use crate::{cases, params, pseudocode, variables};
 
 params! {
     /// Feature tracking by matching keypoints from frame to frame.
@@ -168,6 +169,74 @@ pseudocode! {
     END_PAIR: "  the ends of the tracks in frame t+1 are those of the next pair",
 }
 
+variables! {
+    /// The most frames of a track.
+    FRAMES: "", "", Unit::count("");
+    /// The first frame of the pair.
+    FRAME: "Frame t", "t", Unit::WHOLE;
+    /// The second frame of the pair.
+    NEXT_FRAME: "Frame t+1", "t + 1", Unit::WHOLE;
+    /// The detector of the keypoints.
+    DETECTOR: "", "", Unit::WHOLE;
+    /// The keypoints of the first frame.
+    KEYPOINTS: "Keypoints", "", Unit::count("keypoint"), Role::Reference;
+    /// The keypoints of the second frame.
+    KEYPOINTS_THERE: "", "", Unit::count(""), Role::Candidate;
+    /// The search radius.
+    RADIUS: "", "", Unit::new("px", 0);
+    /// The keypoint of the second frame that matches.
+    MATCH: "", "", Unit::PX, Role::Result;
+    /// The distance of the descriptors.
+    DISTANCE: "Distance", "d", Unit::RATIO;
+    /// The ratio of the distances of the nearest and the second nearest neighbour.
+    RATIO: "Ratio", "", Unit::FINE;
+    /// The displacement of the keypoint to the second frame.
+    DISPLACEMENT: "Displacement", "(u, v)", Unit::SUBPIXEL, Role::Result;
+    /// The true displacement of the keypoint.
+    TRUE_DISPLACEMENT: "True displacement", "", Unit::SUBPIXEL, Role::Truth;
+    /// The number of the track, from 1.
+    TRACK: "", "", Unit::count("");
+    /// The length of the track.
+    LENGTH: "", "", Unit::count("frame");
+    /// The tracks that the pair continues.
+    CONTINUED: "Tracks continued", "", Unit::count(""), Role::Result;
+    /// The tracks that the pair begins.
+    BEGUN: "Tracks begun", "", Unit::count(""), Role::Best;
+    /// The tracks that the pair loses.
+    LOST: "Tracks lost", "", Unit::count(""), Role::Rejected;
+    /// The number of tracks.
+    TRACKS: "", "", Unit::count("track");
+    /// The mean endpoint error of the matches of the pair.
+    MEAN_ERROR: "", "", Unit::SUBPIXEL, Role::Error;
+    /// The mean length of all tracks.
+    MEAN_LENGTH: "", "", Unit::new("frames", 1);
+}
+
+cases! { over value, features;
+    OPENING: "Keypoints are detected in every frame and matched with those of the next one by their descriptors. Consecutive \
+              matches form a track, through at most {frames} frames. Unlike in KLT, the motion may be large, but a keypoint \
+              must be detected again.",
+    DETECTED: "{detector}: {keypoints} in frame {frame} and {keypoints_there} in frame {next_frame}. The candidates of a \
+               keypoint are those in the whole frame.",
+    DETECTED_NEAR: "{detector}: {keypoints} in frame {frame} and {keypoints_there} in frame {next_frame}. The candidates of a \
+                    keypoint are those within {radius} of its position.",
+    MATCHED: "{reference|Keypoint} {position:bare} matches {match:bare}, distance {distance}.",
+    CONTINUES: "Track {track} continues: {length} so far.",
+    BEGINS: "It is in no track, so a new one begins.",
+    UNMATCHED: "{reference|Keypoint} {position:bare} {rejected|has no match}",
+    NO_CANDIDATE: "(no candidate).",
+    FAILS_RATIO: "(ratio test).",
+    FAILS_CROSS_CHECK: "(cross-check).",
+    IS_FARTHER: "(another keypoint is nearer to its neighbour).",
+    IS_LOST: "Track {track} is lost after {length}.",
+    REMAINS: "It is in no track and begins none.",
+    PAIR_ENDED: "End of the pair of frames {frame} and {next_frame}: {continued} of {tracks} continued, {lost} lost without \
+                 an accepted match, {begun} begun.",
+    ERROR: "Mean endpoint error of this pair: {mean_error}.",
+    END: "End of the run: {tracks} of {mean_length} on average. A track ends where its keypoint is not detected again or its \
+          match is rejected: a lower threshold of the detector or a higher ratio limit makes tracks longer.",
+}
+
 impl Estimator for FeatureTracker {
     const INFO: Info = Info {
         id: "feature-tracker",
@@ -184,10 +253,10 @@ impl Estimator for FeatureTracker {
         "continued",
         "What becomes of the next keypoint?",
         &[
-            Case::at(line::CONTINUE, "Its track continues"),
-            Case::at(line::BEGIN, "A new track begins"),
-            Case::at(line::LOSE, "Its track is lost"),
-            Case::at(line::REMAIN, "It is in no track and begins none"),
+            Reply::at(line::CONTINUE, "Its track continues"),
+            Reply::at(line::BEGIN, "A new track begins"),
+            Reply::at(line::LOSE, "Its track is lost"),
+            Reply::at(line::REMAIN, "It is in no track and begins none"),
         ],
     )];
     const GUARANTEE: Guarantee = Guarantee::Better;

@@ -14,7 +14,7 @@ use crate::products::model::{IDENTITY, Matrix3};
 use crate::products::{Model, ModelField, Output, Product, ProductKind};
 use crate::pseudocode;
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Progress, Seen};
-use crate::scene::{Case, Chart, Question, Reading, Scene, Step};
+use crate::scene::{Chart, Question, Reading, Reply, Scene, Step};
 
 params! {
     /// Image alignment.
@@ -247,10 +247,10 @@ impl Estimator for ImageAlignment {
             "converged",
             "How does the iteration end?",
             &[
-                Case::at(line::UPDATE, "Another iteration follows"),
-                Case::says(line::UNTIL_CONVERGED, "has converged", "Converged"),
-                Case::says(line::UNTIL_CONVERGED, "iterations are done", "The iterations are done"),
-                Case::at(line::STEP_BACK, "The step is undone"),
+                Reply::at(line::UPDATE, "Another iteration follows"),
+                Reply::says(line::UNTIL_CONVERGED, "has converged", "Converged"),
+                Reply::says(line::UNTIL_CONVERGED, "iterations are done", "The iterations are done"),
+                Reply::at(line::STEP_BACK, "The step is undone"),
             ],
         ),
         Question::number(

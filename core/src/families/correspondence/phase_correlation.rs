@@ -16,7 +16,7 @@ use crate::methods::differential::truth;
 use crate::products::model::IDENTITY;
 use crate::products::{Model, ModelField, Output, Product, ProductKind};
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Progress, Seen};
-use crate::scene::{Case, Chart, Question, Reading, Scene, Step};
+use crate::scene::{Chart, Question, Reading, Reply, Scene, Step};
 use crate::{choices, params, pseudocode};
 use doubt::Doubt;
 use spectrum::{Direction, hann, mean};
@@ -353,8 +353,8 @@ impl Estimator for PhaseCorrelation {
             "distinct",
             "Is the peak distinct?",
             &[
-                Case::says(line::COMPARE_SECOND, "the peak is distinct", "Yes"),
-                Case::says(line::COMPARE_SECOND, "the peak is ambiguous", "No: another is nearly as high"),
+                Reply::says(line::COMPARE_SECOND, "the peak is distinct", "Yes"),
+                Reply::says(line::COMPARE_SECOND, "the peak is ambiguous", "No: another is nearly as high"),
             ],
         ),
         Question::number(

@@ -14,7 +14,7 @@ use crate::methods::{
 };
 use crate::products::{Feature, Output, Product, ProductKind, Status, Track, TrackField};
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, Span, need};
-use crate::scene::{Case, Chart, Focus, Picture, Question, Role, Scene, Step};
+use crate::scene::{Chart, Focus, Picture, Question, Reply, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 choices! {
@@ -456,14 +456,14 @@ impl Estimator for TemplateMatching {
         Question::choice(
             "best",
             "Is the score of the next place the best so far?",
-            &[Case::says(line::SCORE, "not above the best", "No"), Case::says(line::SCORE, "the new best", "Yes")],
+            &[Reply::says(line::SCORE, "not above the best", "No"), Reply::says(line::SCORE, "the new best", "Yes")],
         ),
         Question::choice(
             "lost",
             "Is the match accepted?",
             &[
-                Case::says(line::CHECK, "lost", "No: the template is lost"),
-                Case::at(line::CHECK, "Yes: the template moves there"),
+                Reply::says(line::CHECK, "lost", "No: the template is lost"),
+                Reply::at(line::CHECK, "Yes: the template moves there"),
             ],
         ),
     ];

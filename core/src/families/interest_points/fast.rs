@@ -11,12 +11,12 @@ use crate::geometry::Grid;
 use crate::methods::features::{
     KEPT, Selection, choose,
     segment::{self, Candidate, SegmentTest},
+    value as features,
 };
-use crate::params;
 use crate::products::{Feature, Keypoint, Output, PointField, Product, ProductKind};
-use crate::pseudocode;
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Case, Chart, Focus, Question, Role, Scene, Step};
+use crate::scene::{Chart, Focus, Question, Reply, Role, Scene, Step, Unit};
+use crate::{cases, params, pseudocode, variables};
 
 params! {
     /// FAST corners: pixels with n contiguous pixels of the circle around them that are all brighter or all darker.
@@ -40,6 +40,101 @@ pseudocode! {
     EACH_PEAK: "for each remaining corner, in order of decreasing V",
     DROP_NEAR: "  reject it if a corner was kept within min-distance",
     KEEP: "  else keep it, up to max-points",
+}
+
+variables! {
+    /// The threshold t: how much a pixel of the circle must be brighter or darker than its centre.
+    THRESHOLD: "", "t", Unit::LEVEL;
+    /// The contiguous pixels of the circle that must be all brighter or all darker.
+    ARC: "Arc length n", "n", Unit::count("");
+    /// The adjacent compass pixels that an arc contains.
+    COMPASS: "", "", Unit::count("");
+    /// The pixels of the row around which a circle fits.
+    WITH_CIRCLE: "Pixels with a circle", "", Unit::count("");
+    /// The pixels of the row that pass the high-speed test.
+    PASSING: "Pass the high-speed test", "", Unit::count(""), Role::Candidate;
+    /// The gray level of the pixel.
+    LEVEL: "Gray level I_p", "I_p", Unit::WHOLE, Role::Reference;
+    /// The pixels of the circle above I_p + t.
+    BRIGHTER: "Brighter pixels", "", Unit::count("");
+    /// The pixels of the circle below I_p − t.
+    DARKER: "Darker pixels", "", Unit::count("");
+    /// The longest run of adjacent compass pixels that are all brighter or all darker.
+    COMPASS_RUN: "", "", Unit::count("");
+    /// The longest run of pixels of the circle that are all brighter or all darker.
+    RUN: "Longest run", "", Unit::count("");
+    /// The first pixel of the longest run, of 1 to 16.
+    RUN_START: "", "", Unit::WHOLE;
+    /// The last pixel of the longest run.
+    RUN_END: "", "", Unit::WHOLE;
+    /// The gray level that the pixels of the longest run exceed or stay below.
+    RUN_LIMIT: "", "", Unit::WHOLE;
+    /// The corner score: the largest threshold with which the pixel is a corner.
+    SCORE: "Score V", "V", Unit::WHOLE, Role::Result;
+    /// The score of the neighbour or of the corner that rejects the pixel.
+    OTHER_SCORE: "", "", Unit::WHOLE;
+    /// The pixel of the best arc with the smallest difference.
+    WEAKEST: "", "k", Unit::WHOLE;
+    /// The gray level of that pixel.
+    WEAKEST_LEVEL: "", "I_k", Unit::WHOLE, Role::Candidate;
+    /// The size of its difference from the centre.
+    DIFFERENCE: "", "|I_k - I_p|", Unit::WHOLE;
+    /// The number of corners.
+    CORNERS: "Corners", "", Unit::count("corner");
+    /// The highest score in the frame.
+    HIGHEST_SCORE: "", "", Unit::WHOLE;
+    /// The lowest score of a corner that is kept.
+    LOWEST_SCORE: "", "", Unit::WHOLE;
+    /// The pixels that pass the segment test.
+    FOUND: "", "", Unit::count("pixel");
+}
+
+cases! { over value, features;
+    OPENING: "At a corner most of a small circle differs from its centre p. FAST compares 16 pixels with I_p and looks for an \
+              arc of {arc} contiguous ones, all brighter than I_p + {threshold:bare} or all darker than I_p − \
+              {threshold:bare}. It needs only comparisons of gray levels.",
+    NO_CIRCLE: "Row {row}: no pixel is 3 px away from the border, so no circle fits and there are no corners.",
+    HIGH_SPEED: "Row {row}: {passing} of {with_circle} pixels pass the high-speed test, with {compass} adjacent compass \
+                 pixels of the circle (1, 5, 9, 13) all brighter than I_p + {threshold:bare} or all darker than I_p − \
+                 {threshold:bare}. Any arc of {arc} contains {compass} of them, so no other pixel can be a corner.",
+    OUTSIDE: "{rejected|Pixel} {pixel} is less than 3 px from the border: its circle does not fit into the picture.",
+    FAILS_COMPASS: "{rejected|Pixel} {pixel}, I_p = {level}: the longest run of brighter or darker compass pixels is \
+                    {compass_run}, and an arc of {arc} needs {compass}: rejected by the high-speed test.",
+    LONGEST: "{rejected|Pixel} {pixel}, I_p = {level}: the longest run has {run} contiguous pixels",
+    CONTIGUOUS: "{best|Pixel} {pixel}, I_p = {level}: {run} contiguous pixels",
+    AT: "(pixel {run_start})",
+    FROM_TO: "({run_start} to {run_end})",
+    BRIGHTER: "brighter than I_p + {threshold:bare} = {run_limit}",
+    DARKER: "darker than I_p\u{a0}−\u{a0}{threshold:bare} = {run_limit}",
+    ARE_BRIGHTER: "are brighter than I_p + {threshold:bare} = {run_limit}",
+    ARE_DARKER: "are darker than I_p\u{a0}−\u{a0}{threshold:bare} = {run_limit}",
+    TOO_SHORT: ". The arc needs {arc}: no corner.",
+    CORNER: ", at least {arc}: a corner. Its score is V = {score}, since with t = {difference} its best arc loses pixel \
+             {weakest}, which differs by {difference}.",
+    NO_CORNERS_IN_ROW: "Row {row} has no corners, so there is nothing to suppress.",
+    CORNERS_IN_ROW: "Row {row}: {corners}. Non-maximum suppression keeps those with a score V above that of all 8 neighbours; \
+                     an arc slides over neighbouring pixels, so one corner of the scene passes the test several times.",
+    MAXIMUM: "{best|Corner} {pixel}: the score {score} exceeds those of all 8 neighbours: a local maximum.",
+    SUPPRESSED: "{rejected|Corner} {pixel} has the score {score}, and its neighbour {neighbour}",
+    BY_HIGHER: "the higher score {other_score}: suppressed.",
+    BY_EQUAL: "the same score {other_score}: neither exceeds the other, so both are suppressed.",
+    NO_CORNERS: "No pixel has {arc} contiguous circle pixels that differ by more than {threshold}: there are no corners. The \
+                 highest score is V = {highest_score}, and a corner has at least V = t = {threshold:bare}. A lower threshold \
+                 finds corners of less contrast.",
+    NO_MAXIMA: "No score exceeds those of all 8 neighbours: neighbours with equal scores suppress each other, which happens \
+                in pictures without noise. So no corner is left.",
+    RANKED: "{corners} {be} ranked by score. In this order at most {max_points} are kept (the maximum number of points), each \
+             at least {min_distance} (the minimum distance) from those kept before.",
+    KEPT: "Corner {pixel}, V = {score}, has no stronger corner within the minimum distance: kept as number {kept:bare}.",
+    NEAR: "Corner {pixel}, V = {score}, is closer than the minimum distance ({min_distance}) to corner {near_corner}, which",
+    TO_HIGHER: "has the higher score {other_score}: rejected.",
+    TO_EQUAL: "has an equal score and comes first: rejected.",
+    HAS_NEIGHBOUR: "Status: suppressed by {neighbour}, V = {other_score}.",
+    IS_BEYOND: "Status: not among the {max_points} of highest score.",
+    END: "End of the run: {kept} kept, scores {highest_score} to {lowest_score}; {found} passed the segment test and \
+          {local_maxima:bare} non-maximum suppression.",
+    END_WITH_ONE: "End of the run: {kept} kept, score {highest_score}; {found} passed the segment test and \
+                   {local_maxima:bare} non-maximum suppression.",
 }
 
 /// The state of a run.
@@ -179,14 +274,14 @@ impl Estimator for Fast {
         Question::choice(
             "corner",
             "Does the next pixel pass the segment test?",
-            &[Case::at(line::SCORE, "Yes: a corner"), Case::at(line::SEGMENT_TEST, "No")],
+            &[Reply::at(line::SCORE, "Yes: a corner"), Reply::at(line::SEGMENT_TEST, "No")],
         ),
         Question::choice(
             "maximum",
             "Is the next corner a local maximum of the score?",
             &[
-                Case::says(line::SUPPRESS, "a local maximum", "Yes"),
-                Case::says(line::SUPPRESS, "suppressed", "No: suppressed"),
+                Reply::told(line::SUPPRESS, case::MAXIMUM, "Yes"),
+                Reply::told(line::SUPPRESS, case::SUPPRESSED, "No: suppressed"),
             ],
         ),
         KEPT,

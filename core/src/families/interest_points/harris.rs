@@ -2,13 +2,10 @@
 
 use crate::base::Threads;
 use crate::geometry::{Gray, Grid};
-use crate::methods::{
-    differential::{Tensor, numbers},
-    features::{Corners, Measure, Settings, corner_pseudocode},
-};
-use crate::params;
+use crate::methods::features::{Corners, Measure, Settings, corner_pseudocode, unit_of_parts, value as features};
 use crate::run::Info;
-use crate::scene::{Math, Role};
+use crate::scene::{Case, Role, Step, Unit};
+use crate::{cases, params, variables};
 
 params! {
     /// Harris and Stephens' corners: local maxima of R = det T − k (tr T)², where T is the structure tensor.
@@ -25,6 +22,21 @@ impl Harris {
     pub fn responses(&self, picture: &Gray, threads: &Threads) -> Grid<f32> {
         Corners(self.clone()).map(picture, threads)
     }
+}
+
+variables! {
+    /// The determinant of the structure tensor.
+    DETERMINANT: "", r"\det \mathbf{T}", Unit::RESPONSE, Role::Reference;
+    /// The trace of the structure tensor.
+    TRACE: "", r"\text{tr }\mathbf{T}", Unit::RESPONSE, Role::Reference;
+    /// The Harris constant.
+    HARRIS_CONSTANT: "", "k", Unit::SET;
+}
+
+cases! { over features;
+    RESPONSE_IS: "R = det T − k (tr T)² = {response}",
+    IS_POSITIVE: "R = det T − k (tr T)² = {response} is positive",
+    IS_NOT_POSITIVE: "R = det T − k (tr T)² = {response} is not positive",
 }
 
 corner_pseudocode!("  R ← det T − k (tr T)²");
@@ -57,36 +69,19 @@ impl Measure for Harris {
         response.signum() * response.abs().powf(0.25)
     }
 
-    fn equation(&self, tensor: &Tensor) -> [Math; 2] {
-        let Tensor { xx, xy, yy, .. } = *tensor;
-        let symbols = Math::Row(vec![
-            Math::Var("R"),
-            Math::text(" = det "),
-            Math::Bold("T"),
-            Math::text(" − "),
-            Math::Var("k"),
-            Math::text(" "),
-            Math::power(Math::Row(vec![Math::text("(tr "), Math::Bold("T"), Math::text(")")]), Math::text("2")),
-        ]);
-        let numbers = Math::Row(vec![
-            Math::text(" = "),
-            Math::ink(Role::Reference, numbers::response(xx * yy - xy * xy)),
-            Math::text(format!(" − {} · ", self.k)),
-            Math::power(Math::ink(Role::Reference, numbers::base(xx + yy)), Math::text("2")),
-            Math::text(" = "),
-            Math::ink(Role::Result, numbers::response(self.response([xx, xy, yy]))),
-        ]);
-        [symbols, numbers]
+    fn is_corner(&self, _: [f32; 2], response: f32) -> bool {
+        response > 0.0
     }
 
-    fn meaning(&self, [large, _]: [f32; 2], response: f32, flat: f32) -> String {
-        let value = format!("R = det T − k (tr T)² = {}", numbers::response(response));
-        match () {
-            () if large < flat => {
-                format!("{value}: λ₁ is below {}, as noise alone can cause: a flat area.", numbers::response(flat))
-            }
-            () if response > 0.0 => format!("{value} is positive: gradients in two directions, possibly a corner."),
-            () => format!("{value} is not positive: gradients in one direction only, an edge."),
-        }
+    const MEANING: [&'static Case; 3] = [case::RESPONSE_IS, case::IS_NOT_POSITIVE, case::IS_POSITIVE];
+
+    fn formulas(&self, step: Step, [xx, xy, yy]: [f32; 3]) -> Step {
+        let (parts, k) = ([xx * yy - xy * xy, xx + yy], f64::from(self.k));
+        let unit = unit_of_parts(parts, self.response([xx, xy, yy]), |[det, trace]| det - k * trace * trace);
+        let [determinant, trace] = [value::DETERMINANT, value::TRACE];
+        let step = step.put(value::HARRIS_CONSTANT, self.k).put_value(determinant.is(parts[0]).in_unit(unit));
+        let step = step.put_value(trace.is(parts[1]).in_unit(unit));
+        let step = step.formula(r"R = \det \mathbf{T} - k\,(\text{tr }\mathbf{T})^2");
+        step.formula(r"= {determinant} - {harris_constant} \cdot {trace}^2 = {response}")
     }
 }

@@ -14,13 +14,13 @@ use crate::methods::features::{
     integral::Integral,
     scale_pyramid::{ScaleLevel, level_count},
     segment::{self, RADIUS, SegmentTest},
+    value as features,
 };
-use crate::params;
 use crate::products::keypoints::WINDOW_SIGMAS;
 use crate::products::{Descriptor, Feature, Keypoint, Output, PointField, Product, ProductKind, Status};
-use crate::pseudocode;
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Case, Chart, Focus, Question, Reading, Role, Scene, Step};
+use crate::scene::{Chart, Focus, Question, Reply, Role, Scene, Step, Unit};
+use crate::{cases, params, pseudocode, variables};
 
 params! {
     /// ORB keypoints: FAST corners on a pyramid, ranked by their Harris response, with an orientation and a binary descriptor.
@@ -51,6 +51,101 @@ pseudocode! {
     EACH_KEYPOINT: "for each keypoint",
     ORIENT: "  θ ← atan2(m₀₁, m₁₀), the direction of the intensity centroid of the disc around it",
     COMPARE: "  for each pair of 5×5 windows a, b of the pattern, turned by θ: bit ← mean of a < mean of b",
+}
+
+variables! {
+    /// The current level of the pyramid.
+    LEVEL: "Level", "", Unit::WHOLE;
+    /// The number of levels of the pyramid.
+    LEVELS: "Levels", "", Unit::count("level");
+    /// The threshold t of FAST.
+    THRESHOLD: "", "t", Unit::LEVEL;
+    /// The length of the arc of FAST.
+    ARC: "", "n", Unit::count("");
+    /// The side of the patch around a keypoint.
+    PATCH: "", "", Unit::new("px", 0);
+    /// The keypoints that the level may have, in proportion to its width.
+    SHARE: "Share of the keypoints", "", Unit::count("");
+    /// The scale factor between two levels.
+    SCALE_FACTOR: "", "f", Unit::SET;
+    /// The width of a pixel of the level in the frame.
+    PIXEL_WIDTH: "", "", Unit::SUBPIXEL;
+    /// The corners that FAST finds on the level.
+    CORNERS: "Corners of FAST", "", Unit::count("corner");
+    /// The corners around which the patch fits.
+    WITH_ROOM: "With room for the patch", "", Unit::count("");
+    /// The corners of the level that become keypoints.
+    STRONGEST: "", "", Unit::count("");
+    /// The moment of order 0 of the disc around the keypoint: the sum of its gray levels.
+    M_00: "m₀₀", "m_{00}", Unit::WHOLE;
+    /// The moment of the disc along x.
+    M_10: "m₁₀", "m_{10}", Unit::WHOLE, Role::Estimate;
+    /// The moment of the disc along y.
+    M_01: "m₀₁", "m_{01}", Unit::WHOLE, Role::Estimate;
+    /// The intensity centroid of the disc relative to its middle.
+    CENTROID: "", "", Unit::SUBPIXEL, Role::Estimate;
+    /// The number of the pair of windows, from 1.
+    PAIR: "", "", Unit::count("");
+    /// The middle of the first window of the pair.
+    FIRST_WINDOW: "", "a", Unit::new("px", 0), Role::Candidate;
+    /// The middle of the second window of the pair.
+    SECOND_WINDOW: "", "b", Unit::new("px", 0), Role::Candidate;
+    /// The mean of the first window.
+    FIRST_MEAN: "Mean of the first window", "", Unit::FINE, Role::Candidate;
+    /// The mean of the second window.
+    SECOND_MEAN: "Mean of the second window", "", Unit::FINE, Role::Candidate;
+    /// The bit of the pair: whether the first mean is smaller.
+    BIT: "", "", Unit::WHOLE, Role::Result;
+    /// The bits of the descriptor so far.
+    BITS: "Bits so far", "", Unit::count("");
+    /// The bits so far that are 1.
+    BITS_SET: "Bits set", "", Unit::count("");
+    /// The last bits, the newest on the right.
+    LAST_BITS: "Last bits", "", Unit::WHOLE;
+    /// The highest FAST score of all levels.
+    HIGHEST_SCORE: "", "V", Unit::WHOLE;
+    /// The smallest distance of a keypoint from the border.
+    MARGIN: "", "", Unit::new("px", 0);
+    /// The keypoints of each level, from level 0 on.
+    BY_LEVEL: "", "", Unit::WHOLE;
+    /// The share of the bits of all descriptors that are 1.
+    ONES: "", "", Unit::PERCENT;
+}
+
+cases! { over value, features;
+    OPENING: "ORB detects FAST corners on the levels of a pyramid, so that it finds corners of several sizes. Each gets the \
+              direction of its intensity centroid as orientation, and a descriptor of 256 bits: comparisons of two small \
+              windows, turned by the orientation.",
+    FRAME: "Level 0 is the frame itself with {width:bare}×{height}. Its share of the {max_points} keypoints is {share}: a \
+            level gets them in proportion to its width.",
+    SMALLER: "Level {level} has {width:bare}×{height}, a factor {scale_factor} smaller than the level before: a pixel is \
+              {pixel_width} of the frame wide. Its share of the keypoints is {share}.",
+    NO_CORNERS: "FAST finds no corner on level {level}: no arc of {arc} pixels differs by more than {threshold}. A lower \
+                 threshold finds corners of less contrast.",
+    DETECTED: "FAST with an arc of {arc} and a threshold of {threshold} finds {corners} on level {level} after non-maximum \
+               suppression. The {patch:bare}×{patch} patch fits into the picture around {with_room} of them.",
+    NONE_RANKED: "There is no corner on level {level} to be ranked.",
+    RANKED: "The FAST score is high along edges too, so the corners are ranked by their Harris response over 7×7 px, here \
+             {first_response} to {last_response}. Keypoints of level {level}: the strongest {strongest}.",
+    KEPT: "Corner {pixel} of level {level}, R = {response}: kept as keypoint {kept:bare} of the {share} that the level may \
+           have.",
+    NEAR: "Corner {pixel} of level {level}, R = {response}, is closer than the minimum distance ({min_distance} of the frame) \
+           to corner {near_corner} with R = {other_response}, which is no smaller: rejected.",
+    ORIENTED: "Keypoint {keypoint} of {keypoints:bare} on level {level} at {pixel}: the moments of its disc are m₁₀ = {m_10} \
+               and m₀₁ = {m_01}, so the intensity centroid lies at {centroid} from the middle. Orientation θ = atan2(m₀₁, \
+               m₁₀) = {orientation}.",
+    COMPARED: "Pair {pair} of 256, turned by {orientation}: the 5×5 window at {first_window} of level {level} has the mean \
+               {first_mean},",
+    LESS: "less than {second_mean} of the window at {second_window}, so the bit is 1.",
+    NOT_LESS: "not less than {second_mean} of the window at {second_window}, so the bit is 0.",
+    NO_CONTRAST: "End of the run: no keypoints. The highest score of all levels is V = {highest_score}, and a corner has at \
+                  least V = t = {threshold:bare}; a lower threshold finds some.",
+    NO_ROOM: "End of the run: no keypoints. No corner is at least {margin} from the border and so has a patch of \
+              {patch:bare}×{patch}; a smaller patch finds some.",
+    END: "End of the run: {keypoints} on {levels} ({by_level}, from level 0 on). {ones} of all bits are 1; near one half, \
+          descriptors of different points differ most.",
+    SOME_HAVE_FEWER: "Some levels have fewer corners than their share; a lower threshold also finds weaker ones.",
+    ALL_HAVE_MORE: "Every level has more corners than its share; a larger maximum number of points keeps weaker ones.",
 }
 
 /// The state of a run.
@@ -300,15 +395,12 @@ impl Estimator for Orb {
             "bit",
             "Which value does the bit of the next pair have?",
             &[
-                Case::says(line::COMPARE, "so the bit is 1", "1: the first mean is smaller"),
-                Case::says(line::COMPARE, "so the bit is 0", "0"),
+                Reply::told(line::COMPARE, case::LESS, "1: the first mean is smaller"),
+                Reply::told(line::COMPARE, case::NOT_LESS, "0"),
             ],
         ),
-        Question::number(
-            "corners",
-            "How many corners does FAST find on the next level?",
-            Reading { line: line::DETECT, after: "gray levels finds ", before: " corner", unit: "corners" },
-        ),
+        Question::value("corners", "How many corners does FAST find on the next level?", line::DETECT, value::CORNERS)
+            .unless_told(&[case::NO_CORNERS]),
     ];
     // Coarse levels are sampled at other places when the picture moves.
     const GUARANTEE: Guarantee = Guarantee::SubPixelPlaces { off_centi_px: 150 };

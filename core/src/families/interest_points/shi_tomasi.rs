@@ -1,12 +1,12 @@
 //! Shi and Tomasi's good features to track.
 
 use crate::methods::{
-    differential::{Tensor, numbers},
-    features::{Measure, Settings, corner_pseudocode},
+    differential::Tensor,
+    features::{Measure, Settings, corner_pseudocode, unit_of_parts, value as features},
 };
-use crate::params;
 use crate::run::Info;
-use crate::scene::{Math, Role};
+use crate::scene::{Case, Role, Step, Unit};
+use crate::{cases, params, variables};
 
 params! {
     /// Shi and Tomasi's corners: local maxima of R = λ₂, the smaller eigenvalue of the structure tensor T.
@@ -18,6 +18,19 @@ params! {
 
 /// λ₂ / λ₁ below which a pixel is called an edge.
 const EDGE_RATIO: f32 = 0.1;
+
+variables! {
+    /// Half the trace of the structure tensor: the mean of its eigenvalues.
+    HALF_TRACE: "", r"\text{½ tr }\mathbf{T}", Unit::RESPONSE, Role::Reference;
+    /// The determinant of the structure tensor.
+    DETERMINANT: "", r"\det \mathbf{T}", Unit::RESPONSE, Role::Reference;
+}
+
+cases! { over features;
+    RESPONSE_IS: "R = λ₂ = {response}",
+    IS_BELOW_TENTH: "R = λ₂ = {response}, less than a tenth of λ₁",
+    IS_ABOVE_TENTH: "R = λ₂ = {response}, at least a tenth of λ₁",
+}
 
 corner_pseudocode!("  R ← λ₂, the smaller eigenvalue of T");
 
@@ -48,47 +61,20 @@ impl Measure for ShiTomasi {
         response.sqrt()
     }
 
-    fn equation(&self, tensor: &Tensor) -> [Math; 2] {
-        let Tensor { xx, xy, yy, .. } = *tensor;
-        let symbols = Math::Row(vec![
-            Math::Var("R"),
-            Math::text(" = "),
-            Math::indexed(Math::Var("λ"), Math::text("2")),
-            Math::text(" = ½ tr "),
-            Math::Bold("T"),
-            Math::text(" − "),
-            Math::root(Math::Row(vec![
-                Math::squared(Math::Row(vec![Math::text("(½ tr "), Math::Bold("T"), Math::text(")")])),
-                Math::text(" − det "),
-                Math::Bold("T"),
-            ])),
-        ]);
-        let half = (xx + yy) / 2.0;
-        let numbers = Math::Row(vec![
-            Math::text(" = "),
-            Math::ink(Role::Reference, numbers::response(half)),
-            Math::text(" − "),
-            Math::root(Math::Row(vec![
-                Math::squared(Math::ink(Role::Reference, numbers::base(half))),
-                Math::text(" − "),
-                Math::ink(Role::Reference, numbers::base(xx * yy - xy * xy)),
-            ])),
-            Math::text(" = "),
-            Math::ink(Role::Result, numbers::response(self.response([xx, xy, yy]))),
-        ]);
-        [symbols, numbers]
+    fn is_corner(&self, [large, small]: [f32; 2], _: f32) -> bool {
+        small >= EDGE_RATIO * large
     }
 
-    fn meaning(&self, [large, small]: [f32; 2], response: f32, flat: f32) -> String {
-        let value = format!("R = λ₂ = {}", numbers::response(response));
-        match () {
-            () if large < flat => {
-                format!("{value}: λ₁ is below {}, as noise alone can cause: a flat area.", numbers::response(flat))
-            }
-            () if small < EDGE_RATIO * large => {
-                format!("{value}, less than a tenth of λ₁: gradients in one direction only, an edge.")
-            }
-            () => format!("{value}, at least a tenth of λ₁: gradients in two directions, possibly a corner."),
-        }
+    const MEANING: [&'static Case; 3] = [case::RESPONSE_IS, case::IS_BELOW_TENTH, case::IS_ABOVE_TENTH];
+
+    fn formulas(&self, step: Step, [xx, xy, yy]: [f32; 3]) -> Step {
+        let parts = [(xx + yy) / 2.0, xx * yy - xy * xy];
+        let root = |[half, det]: [f64; 2]| half - (half * half - det).max(0.0).sqrt();
+        let unit = unit_of_parts(parts, self.response([xx, xy, yy]), root);
+        let step = step.put_value(value::HALF_TRACE.is(parts[0]).in_unit(unit));
+        let step = step.put_value(value::DETERMINANT.is(parts[1]).in_unit(unit));
+        let step = step
+            .formula(r"R = \lambda_2 = \text{½ tr }\mathbf{T} - \sqrt{(\text{½ tr }\mathbf{T})^2 - \det \mathbf{T}}");
+        step.formula(r"= {half_trace} - \sqrt{{half_trace}^2 - {determinant}} = {response}")
     }
 }

@@ -7,14 +7,15 @@ use std::sync::Arc;
 
 use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::{Clip, Frame};
+use crate::methods::features::value as features;
 use crate::methods::scale_space::{
     BORDER, CELLS, Descriptor, Extremum, Histogram, Iteration, Peak, Place, Refined, Rejection, ScaleSpace, Shape,
     Thresholds, extrema_of_row, refine,
 };
 use crate::products::{Feature, Keypoint, Output, PointField, Product, ProductKind, keypoints};
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Case, Chart, Focus, Picture, Question, Role, Scene, Step};
-use crate::{params, pseudocode};
+use crate::scene::{Chart, Decimals, Focus, Picture, Question, Reply, Role, Scene, Step, Unit};
+use crate::{cases, params, pseudocode, variables};
 
 params! {
     /// Lowe's SIFT keypoints: extrema of differences of Gaussians in position and scale, with orientation and descriptor.
@@ -298,6 +299,160 @@ pseudocode! {
     CLAMP: "  limit each to 0.2 and normalise again",
 }
 
+variables! {
+    /// The number of octaves.
+    OCTAVES: "Octaves", "", Unit::count("octave");
+    /// The number of scales per octave at which extrema are found.
+    SCALES: "Scales per octave", "", Unit::count("scale");
+    /// The number of Gaussian images per octave: three more than scales.
+    IMAGES: "Gaussian images per octave", "", Unit::count("image");
+    /// The octave, from 1.
+    OCTAVE: "Octave", "", Unit::WHOLE;
+    /// The number of the Gaussian image in its octave, from 1.
+    IMAGE: "Gaussian image", "", Unit::WHOLE;
+    /// The number of the image before it.
+    IMAGE_BEFORE: "", "", Unit::WHOLE;
+    /// The standard deviation of the image or keypoint in px of the octave.
+    SIGMA: "σ in px of the octave", r"\sigma", Unit::PX;
+    /// The standard deviation of the image or keypoint in px of the frame.
+    SIGMA_IN_FRAME: "σ in px of the frame", "", Unit::PX;
+    /// The standard deviation of the Gaussian filter that makes the image from the one before.
+    INCREMENT: "", "", Unit::PX;
+    /// The radius of the blobs to which the difference of the images responds most, in px of the frame.
+    BLOB_RADIUS: "", "", Unit::PX;
+    /// The number of the difference of Gaussians in its octave, from 1.
+    DIFFERENCE: "Difference of Gaussians", "", Unit::WHOLE;
+    /// The number of extrema.
+    EXTREMA: "Extrema", "", Unit::count("");
+    /// The number of extrema so far.
+    EXTREMA_SO_FAR: "Extrema so far", "", Unit::count(""), Role::Candidate;
+    /// The smallest absolute value of an extremum: half the contrast threshold.
+    LEAST: "", "", Unit::GRAY;
+    /// The difference of Gaussians at the pixel.
+    D: "", "D", Unit::GRAY;
+    /// The difference of Gaussians at the neighbour.
+    OTHER_D: "", "", Unit::FINE;
+    /// The gradient of D in x, y and scale.
+    GRADIENT: "", r"\nabla D", Unit::FINE;
+    /// The second derivatives of D in x, y and scale.
+    HESSIAN: "", r"\mathbf{H}", Unit::FINE;
+    /// The offset of the extremum of the quadratic in x, y and scale.
+    STEP: "", r"\mathbf{d}", Unit::FINE, Role::Result;
+    /// The offset of the extremum of the quadratic along x and y.
+    OFFSET: "", "", Unit::PX;
+    /// The offset of the extremum of the quadratic in scales.
+    SCALE_OFFSET: "", "", Unit::new("scales", 2);
+    /// The absolute value of D, interpolated at the extremum.
+    CONTRAST: "|D| at the extremum", "|D|", Unit::GRAY, Role::Result;
+    /// The smallest |D| of a keypoint.
+    CONTRAST_THRESHOLD: "Contrast threshold", "", Unit::GRAY;
+    /// The ratio (tr H)² / det H, which grows with the ratio of the principal curvatures.
+    CURVATURE_RATIO: "(tr H)² / det H", r"\frac{(\text{tr }\mathbf{H})^2}{\det \mathbf{H}}", Unit::FINE, Role::Result;
+    /// The largest ratio (tr H)² / det H of a keypoint.
+    EDGE_LIMIT: "Edge limit (r + 1)² / r", r"\frac{(r + 1)^2}{r}", Unit::FINE;
+    /// The largest ratio r of the principal curvatures.
+    EDGE_THRESHOLD: "", "r", Unit::WHOLE;
+    /// The radius of the window of the orientation histogram, in px of the octave.
+    WINDOW_RADIUS: "", "", Unit::new("px", 0);
+    /// The standard deviation of the weights of the orientation histogram, in px of the octave.
+    WEIGHT_SIGMA: "", r"1.5\,\sigma", Unit::PX;
+    /// The height of the peak relative to the highest.
+    PEAK_SHARE: "", "", Unit { name: "%", decimals: Decimals::AtMost(1) };
+    /// The number of the peak of the histogram, from 1.
+    PEAK: "", "", Unit::WHOLE;
+    /// The extrema that pass the tests.
+    AFTER_TESTS: "After the tests", "", Unit::count("");
+    /// The keypoints with their orientations.
+    WITH_ORIENTATIONS: "With orientations", "", Unit::count("");
+    /// The contrast |D| of the weakest keypoint.
+    WEAKEST: "", "", Unit::GRAY;
+    /// The largest |D| at an extremum.
+    STRONGEST: "", "", Unit::GRAY;
+    /// The largest |D| of all differences of Gaussians.
+    LARGEST: "", "", Unit::GRAY;
+    /// The number of the cell of the descriptor, from 1.
+    CELL: "", "", Unit::WHOLE;
+    /// The side of a cell in px of the octave.
+    CELL_WIDTH: "", "", Unit::PX;
+    /// The strongest direction of the cell relative to the orientation.
+    DIRECTION: "", "", Unit::DEGREES;
+    /// The length of the descriptor.
+    LENGTH: "", "", Unit::FINE;
+    /// The entries of the descriptor that exceed 0.2.
+    LARGE_ENTRIES: "", "", Unit::count("entry");
+    /// The smallest standard deviation of a keypoint in px of the frame.
+    SMALLEST_SIGMA: "", "", Unit::PX;
+    /// The largest standard deviation of a keypoint in px of the frame.
+    LARGEST_SIGMA: "", "", Unit::PX;
+    /// The median of the standard deviations of the keypoints in px of the frame.
+    MEDIAN_SIGMA: "", "", Unit::PX;
+}
+
+cases! { over value, features;
+    OPENING: "SIFT finds the same points at another scale or rotation: a blob gives an extremum of the difference of \
+              Gaussians in position and in scale. First the scale space is built.",
+    FIRST: "Octave 1: a Gaussian filter with σ = {increment} raises the blur of the camera, assumed 0.50 px of the frame, to \
+            σ = {sigma}.",
+    FIRST_DOUBLED: "Octave 1, at twice the resolution of the frame: a Gaussian filter with σ = {increment} raises the blur of \
+                    the camera, assumed 0.50 px of the frame, to σ = {sigma}.",
+    HALVED: "Octave {octave}: every second pixel of the image with twice the first σ. At half the resolution it has σ = \
+             {sigma} again, {sigma_in_frame} of the frame.",
+    BLURRED: "Gaussian image {image}: filtering image {image_before} with σ = {increment} gives σ = {sigma}. Their difference \
+              responds most to blobs with a radius of about {blob_radius} of the frame.",
+    ROW: "Row {row} of octave {octave}, difference {difference} (σ = {sigma_in_frame} of the frame): each pixel with |D| \
+          above {least}, half the contrast threshold, is compared with its 26 neighbours in position and scale.",
+    MAXIMUM: "{candidate|Pixel} {pixel} has D = {d}: none of its 26 neighbours is larger, a maximum in position and scale, \
+              the centre of a dark blob.",
+    MINIMUM: "{candidate|Pixel} {pixel} has D = {d}: none of its 26 neighbours is smaller, a minimum in position and scale, \
+              the centre of a bright blob.",
+    NO_EXTREMUM: "{candidate|Pixel} {pixel} has D = {d}, but its neighbour {neighbour}",
+    AT_SMALLER: "at the smaller scale has {other_d}: no extremum.",
+    AT_SAME: "at the same scale has {other_d}: no extremum.",
+    AT_LARGER: "at the larger scale has {other_d}: no extremum.",
+    SINGULAR: "The quadratic through the neighbourhood of {pixel} has a singular Hessian, so it has no extremum.",
+    FITTED: "The quadratic through the neighbourhood of {pixel} has its extremum at the offset {offset}, {scale_offset}",
+    CONVERGED: ": less than ½ in each direction, so the position is final.",
+    REPEATED: ": beyond ½, so it lies nearer to a neighbour, where the fit is repeated.",
+    UNSTABLE: "The extremum leaves the scale space or still moves after the last iteration: {rejected|rejected} as unstable.",
+    LOW_CONTRAST: "|D| = {contrast} at the extremum is below the contrast threshold {contrast_threshold:bare}: \
+                   {rejected|rejected}, noise would move it.",
+    SADDLE: "The principal curvatures have opposite signs, so this is a saddle in position: {rejected|rejected}.",
+    ON_EDGE: "(tr H)² / det H = {curvature_ratio} reaches (r + 1)² / r = {edge_limit}: one principal curvature is at least \
+              {edge_threshold} times the other, an edge. {rejected|Rejected}, its position along the edge is uncertain.",
+    KEPT: "Kept at {position} of the frame with σ = {sigma_in_frame}: |D| = {contrast:bare} reaches the contrast threshold \
+           {contrast_threshold:bare}, and (tr H)² / det H = {curvature_ratio} is below {edge_limit}, so it is no edge.",
+    HISTOGRAM: "Gradient directions within {window_radius} of the octave, weighted by their magnitudes and a Gaussian with \
+                1.5 σ = {weight_sigma}, fill 36 bins of 10°. The histogram is smoothed, and its peaks are the orientations.",
+    HIGHEST: "Orientation {orientation}, the highest peak, interpolated between bins. The descriptor is turned by it, so that \
+              it turns with the picture.",
+    FURTHER: "Orientation {orientation}: a peak of {peak_share} of the highest, at least the required 80 %, so keypoint \
+              {peak} has the same place and another orientation.",
+    SELECTED: "Kept: the {keypoints:bare} of {with_orientations} keypoints with the largest |D| (the maximum number of \
+               points); the weakest has |D| = {weakest}.",
+    ALL_SELECTED: "All {keypoints:bare} keypoints are kept, in order of decreasing |D|; the weakest has {weakest}.",
+    NONE_PASSED: "No extremum passed the tests, so there are no keypoints: |D| is at most {strongest} at the extrema \
+                  ({extrema}), the contrast threshold is {contrast_threshold:bare}, and none may lie on an edge. A lower \
+                  contrast threshold keeps weaker ones.",
+    NO_EXTREMA: "0 pixels exceed all of their 26 neighbours, so there are no keypoints: a blob has an extremum, edges and \
+                 ramps have none.",
+    NO_CONTRAST: "|D| is at most {largest}, and an extremum needs more than {least:bare}, half the contrast threshold: the \
+                  frame has no blobs of enough contrast, so there are no keypoints. A lower contrast threshold finds weaker \
+                  ones.",
+    CELL: "Cell {cell} of 16, turned by the orientation {orientation} and {cell_width} of the octave wide: gradients relative \
+           to the orientation fill 8 bins of 45°. The strongest is {direction}.",
+    NORMALISED: "The 128 entries have the length {length}; divided by it they no longer depend on the contrast of the picture.",
+    NONE_LARGE: "No entry exceeds 0.2.",
+    ONE_LARGE: "1 entry exceeds 0.2 and is limited to it.",
+    SOME_LARGE: "{large_entries} exceed 0.2 and are limited to it.",
+    CLAMPED: "The limit keeps single large gradients, as at a highlight, from outweighing all others. Normalised again, this \
+              is the descriptor.",
+    NO_KEYPOINTS: "End of the run without keypoints.",
+    END: "End of the run: {keypoints} from {extrema} extrema, σ from {smallest_sigma:bare} to {largest_sigma}, half of them \
+          below {median_sigma}.",
+    AT_MOST: "The maximum number of points is reached; a larger value admits weaker keypoints.",
+    FURTHER_BLOBS: "A lower contrast threshold keeps weaker blobs; a lower edge threshold rejects more extrema on edges.",
+}
+
 impl Estimator for Sift {
     const INFO: Info = Info {
         id: "sift",
@@ -314,18 +469,18 @@ impl Estimator for Sift {
             "accepted",
             "What becomes of the next extremum?",
             &[
-                Case::at(line::KEEP, "It is kept"),
-                Case::at(line::LOW_CONTRAST, "Rejected: low contrast"),
-                Case::at(line::ON_EDGE, "Rejected: it lies on an edge"),
-                Case::at(line::UNSTABLE, "Rejected: unstable"),
+                Reply::at(line::KEEP, "It is kept"),
+                Reply::at(line::LOW_CONTRAST, "Rejected: low contrast"),
+                Reply::at(line::ON_EDGE, "Rejected: it lies on an edge"),
+                Reply::at(line::UNSTABLE, "Rejected: unstable"),
             ],
         ),
         Question::choice(
             "final",
             "Is the fitted position final?",
             &[
-                Case::says(line::FIT, "the position is final", "Yes: less than ½ away"),
-                Case::says(line::FIT, "the fit is repeated", "No: the fit is repeated at a neighbour"),
+                Reply::told(line::FIT, case::CONVERGED, "Yes: less than ½ away"),
+                Reply::told(line::FIT, case::REPEATED, "No: the fit is repeated at a neighbour"),
             ],
         ),
     ];

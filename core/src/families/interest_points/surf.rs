@@ -8,12 +8,11 @@ use std::sync::Arc;
 use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::{Clip, Frame};
 use crate::methods::features::haar::{self, Blob, SIDE, VALUES};
-use crate::methods::features::{Selection, choose, integral::Integral};
-use crate::params;
+use crate::methods::features::{Selection, choose, integral::Integral, value as features};
 use crate::products::{Descriptor, Feature, Keypoint, Output, PointField, Product, ProductKind, Status};
-use crate::pseudocode;
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Case, Chart, Focus, Question, Role, Scene, Step};
+use crate::scene::{Chart, Focus, Question, Reply, Role, Scene, Step, Unit};
+use crate::{cases, params, pseudocode, variables};
 use hessian::{Filter, LAYERS, Layer, Neighbor, Refined, Three, is_suppressed, scale_of, suppressed_by};
 
 params! {
@@ -49,6 +48,156 @@ pseudocode! {
     ORIENT: "  θ ← the direction of the longest sum, or 0 if upright",
     SUBREGION: "  for each of 4×4 subregions of 5 s, turned by θ: Σ d_x, Σ d_y, Σ |d_x|, Σ |d_y|",
     UNIT_LENGTH: "  scale the 64 values to unit length",
+}
+
+variables! {
+    /// The columns of the integral image.
+    COLUMNS: "", "", Unit::count("");
+    /// The rows of the integral image.
+    ROWS: "", "", Unit::count("");
+    /// The sum of all gray levels of the frame.
+    SUM: "Sum of all gray levels", "", Unit::count("");
+    /// The octave, from 1.
+    OCTAVE: "Octave", "", Unit::WHOLE;
+    /// The side of the filter.
+    SIDE: "Filter side L", "L", Unit::new("px", 0);
+    /// The sides of the filters of the layer below, this layer and the layer above.
+    SIDES: "Filter sides L", "", Unit::new("px", 0);
+    /// The side of the filter of the layer below.
+    SIDE_BELOW: "", "", Unit::new("px", 0);
+    /// The side of the filter of the layer above.
+    SIDE_ABOVE: "", "", Unit::new("px", 0);
+    /// The scale: s = 1.2 L / 9 for a filter of side L.
+    SCALE: "Scale s", "s", Unit::SUBPIXEL;
+    /// The distance of neighbouring samples.
+    SPACING: "Sample spacing", "", Unit::new("px", 0);
+    /// The filter at work.
+    FILTER: "", "", Unit::WHOLE;
+    /// The second derivative along x.
+    D_XX: "D_xx", "D_{xx}", Unit::FINE, Role::Reference;
+    /// The second derivative along y.
+    D_YY: "D_yy", "D_{yy}", Unit::FINE, Role::Reference;
+    /// The mixed second derivative.
+    D_XY: "D_xy", "D_{xy}", Unit::FINE, Role::Reference;
+    /// The integral image at the upper left corner of the first box.
+    CORNER_A: "", "A", Unit::WHOLE, Role::Result;
+    /// The integral image at the upper right corner of the first box.
+    CORNER_B: "", "B", Unit::WHOLE, Role::Result;
+    /// The integral image at the lower left corner of the first box.
+    CORNER_C: "", "C", Unit::WHOLE, Role::Result;
+    /// The integral image at the lower right corner of the first box.
+    CORNER_D: "", "D", Unit::WHOLE, Role::Result;
+    /// The sum of the first box of the filter.
+    BOX_1: "", "S_1", Unit::WHOLE;
+    /// The sum of the second box of the filter.
+    BOX_2: "", "S_2", Unit::WHOLE;
+    /// The sum of the third box of the filter.
+    BOX_3: "", "S_3", Unit::WHOLE;
+    /// The sum of the fourth box of the filter.
+    BOX_4: "", "S_4", Unit::WHOLE;
+    /// The weighted sum of the boxes of the filter.
+    BOXES: "", "", Unit::WHOLE;
+    /// The pixels of the filter.
+    AREA: "", "L^2", Unit::WHOLE;
+    /// The number of samples of the layer above the threshold.
+    SAMPLES: "", "", Unit::count("sample");
+    /// The verb of that count.
+    EXCEED: "", "", Unit::WHOLE;
+    /// The offset of the vertex along x and y in samples.
+    OFFSET: "", "", Unit::FINE;
+    /// The offset of the vertex in layers.
+    LAYER_OFFSET: "", "", Unit::FINE;
+    /// The number of maxima over position and scale.
+    MAXIMA: "Maxima", "", Unit::count("maximum");
+    /// The keypoint that rejects the maximum.
+    NEAR_KEYPOINT: "", "", Unit::PX, Role::Result;
+    /// The side of the wavelets: 4 s.
+    WAVELET_SIDE: "", "", Unit::SUBPIXEL;
+    /// The radius of the disc of the wavelets: 6 s.
+    WHEEL_RADIUS: "", "", Unit::SUBPIXEL;
+    /// The direction in which the sector begins.
+    SECTOR_START: "", "", Unit::new("°", 1);
+    /// The direction in which the sector ends.
+    SECTOR_END: "", "", Unit::new("°", 1);
+    /// The length of the sum of the wavelet responses in the sector.
+    SECTOR_LENGTH: "", "", Unit::FINE;
+    /// The direction in which the sector with the longest sum begins.
+    LONGEST_START: "", "", Unit::new("°", 1);
+    /// The length of the longest sum.
+    LONGEST: "", "", Unit::FINE;
+    /// The number of the subregion, from 1.
+    SUBREGION: "", "", Unit::WHOLE;
+    /// The sum of the wavelet responses d_x in the subregion.
+    SUM_X: "", r"\sum d_x", Unit::FINE;
+    /// The sum of the wavelet responses d_y in the subregion.
+    SUM_Y: "", r"\sum d_y", Unit::FINE;
+    /// The sum of |d_x| in the subregion.
+    SIZE_X: "", r"\sum |d_x|", Unit::FINE;
+    /// The sum of |d_y| in the subregion.
+    SIZE_Y: "", r"\sum |d_y|", Unit::FINE;
+    /// The length of the descriptor before it is scaled.
+    LENGTH: "Length before scaling", "", Unit::FINE;
+    /// The keypoints of each octave.
+    BY_OCTAVE: "", "", Unit::count("");
+}
+
+cases! { over value, features;
+    OPENING: "A blob has large second derivatives of one sign in all directions, so the determinant of its Hessian is large. \
+              SURF computes the derivatives with box filters: the sum of a box of any size needs four values of an integral \
+              image.",
+    SUMMED: "The integral image Σ holds the sum of all pixels above and to the left of each of {columns}×{rows} corners. The \
+             sum of any box is then D − B − C + A of the values at its corners: three additions, whatever its size.",
+    NO_FILTER: "The filter {filter} of side L = {side} (octave {octave}, scale s = {scale}) has no positive response: the \
+                picture is flat for it, or smaller than it.",
+    NO_DETERMINANT: "The determinant of side L = {side} (octave {octave}, scale s = {scale}) has no positive response: the \
+                     picture is flat for it, or smaller than it.",
+    ALONG_X: "{reference|Pixel} {pixel}, L = {side}, s = {scale}: D_xx = {d_xx}, the second derivative along x by three boxes \
+              with weights 1, −2, 1.",
+    ALONG_Y: "{reference|Pixel} {pixel}, L = {side}, s = {scale}: D_yy = {d_yy}, the second derivative along y by three boxes \
+              with weights 1, −2, 1.",
+    ALONG_BOTH: "{reference|Pixel} {pixel}, L = {side}, s = {scale}: D_xy = {d_xy}, the second derivative along both axes by \
+                 four boxes with weights 1, −1, −1, 1.",
+    DETERMINANT: "{reference|Pixel} {pixel}, octave {octave}, L = {side}: R = D_xx D_yy − (0.9 D_xy)² = {response}",
+    IS_BRIGHT: "is positive, and the second derivatives are negative: a bright blob.",
+    IS_DARK: "is positive, and so are the second derivatives: a dark blob.",
+    IS_NO_BLOB: "is not positive: the second derivatives differ in sign, or there is an edge.",
+    ABOVE_THRESHOLD: "Octave {octave}, L = {side}: {samples} {exceed} the threshold R = {threshold}. Non-maximum suppression \
+                      compares each with its 26 neighbours in position and scale.",
+    MAXIMUM: "{best|Sample} {pixel}: R = {response} exceeds all 26 neighbours, 8 in its layer and 9 in each of the layers of \
+              L = {side_below:bare} and {side_above:bare}: a maximum over position and scale.",
+    SUPPRESSED: "{rejected|Sample} {pixel}: R = {response} is above the threshold, but its neighbour {neighbour}",
+    OF_LAYER_BELOW: "of the layer below (L = {side_below:bare}) has {other_response}, which is no smaller: suppressed.",
+    OF_ITS_LAYER: "of its own layer has {other_response}, which is no smaller: suppressed.",
+    OF_LAYER_ABOVE: "of the layer above (L = {side_above:bare}) has {other_response}, which is no smaller: suppressed.",
+    NO_VERTEX: "{reference|Maximum} {pixel}: the quadratic function through its neighbours has no vertex, so it is rejected.",
+    VERTEX: "{reference|Maximum} {pixel}: the vertex of the quadratic function through its neighbours lies at an offset of \
+             {offset} samples and {layer_offset} layers,",
+    ACCEPTED: "with R = {response}: accepted.",
+    TOO_FAR: "more than one sample away, where the fit is unreliable: {rejected|rejected}.",
+    NO_MAXIMA: "0 samples above the threshold are a maximum among their 26 neighbours, so there are no keypoints: the frame \
+                has no blobs of these sizes.",
+    ALL_BELOW: "The largest response is R = {largest_response}, and a keypoint needs more than the threshold R = {threshold}, \
+                so there are no keypoints: the frame has too little contrast. A lower threshold finds weaker ones.",
+    RANKED: "{maxima} {be} ranked by response. In this order at most {max_points} become keypoints (the maximum number of \
+             points), each at least {min_distance} (the minimum distance) from those kept before.",
+    KEPT: "Maximum {position:bare}, R = {response}, scale s = {scale}: kept as keypoint {kept:bare}.",
+    NEAR: "Maximum {position:bare}, R = {response}, is closer than the minimum distance ({min_distance}) to keypoint \
+           {near_keypoint:bare} with R = {other_response}, which is no smaller: rejected.",
+    WAVELETS: "Keypoint {keypoint} at {position:bare}: Haar wavelets of side 4 s = {wavelet_side} respond at 109 samples \
+               within 6 s = {wheel_radius}, s = {scale}. They are weighted with a Gaussian of standard deviation 2 s.",
+    SECTOR: "Sector from {sector_start} to {sector_end}: the responses in it sum to a vector of length {sector_length},",
+    IS_FIRST: "the longest so far.",
+    IS_LONGEST: "the longest so far.",
+    IS_SHORTER: "shorter than {longest} from {longest_start} on.",
+    UPRIGHT: "Keypoint {keypoint} at {position:bare}, s = {scale}: upright, so its orientation is θ = 0.",
+    ORIENTED: "The sector from {longest_start} on has the longest sum, {longest}. Its direction is the orientation θ = \
+               {orientation}.",
+    SUBREGION: "Subregion {subregion} of 16: Σ d_x = {sum_x}, Σ d_y = {sum_y}, Σ |d_x| = {size_x}, Σ |d_y| = {size_y}. A sum \
+                much smaller than that of its absolute values means that the gradient changes sign, as in a pattern of \
+                stripes.",
+    UNIT_LENGTH: "The 64 values have the length {length}. Divided by it, they no longer depend on the contrast.",
+    ALL_ZERO: "All 64 values are 0: the neighbourhood is flat and cannot be distinguished from others.",
+    END: "End of the run: {keypoints} from {maxima}, responses {first_response} to {last_response}; by octave {by_octave}.",
 }
 
 /// The state of a run.
@@ -368,16 +517,15 @@ impl Estimator for Surf {
             "maximum",
             "Is the next sample a maximum over position and scale?",
             &[
-                Case::says(line::SUPPRESS, "a maximum over position and scale", "Yes"),
-                Case::says(line::SUPPRESS, "suppressed", "No: suppressed"),
+                Reply::told(line::SUPPRESS, case::MAXIMUM, "Yes"),
+                Reply::told(line::SUPPRESS, case::SUPPRESSED, "No: suppressed"),
             ],
         ),
         Question::choice(
             "longest",
             "Does the next sector have the longest sum so far?",
-            &[Case::says(line::SECTOR, "the longest so far", "Yes"), Case::says(line::SECTOR, "shorter than", "No")],
-        )
-        .unless("Sector from 0"),
+            &[Reply::told(line::SECTOR, case::IS_LONGEST, "Yes"), Reply::told(line::SECTOR, case::IS_SHORTER, "No")],
+        ),
     ];
     // Samples of coarse octaves do not move with the picture.
     const GUARANTEE: Guarantee = Guarantee::SubPixelPlaces { off_centi_px: 50 };

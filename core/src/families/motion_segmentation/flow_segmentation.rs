@@ -7,10 +7,11 @@ use std::sync::Arc;
 use crate::base::{Error, Observer, Threads, effort};
 use crate::data::{Clip, Flow};
 use crate::geometry::Grid;
+use crate::methods::segmentation::explain::{case, value::SEGMENTS};
 use crate::methods::segmentation::{FlowInput, Record, SegmentationRun, Segmenter, SegmenterState, forest::Forest};
 use crate::products::SegmentFrame;
 use crate::run::{Info, Progress, Seen};
-use crate::scene::{Case, Question, Reading, Role, Scene, Step};
+use crate::scene::{Question, Reply, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 choices! {
@@ -374,15 +375,12 @@ impl Segmenter for FlowSegmentation {
             "refused",
             "Is a merge of the next group of edges refused?",
             &[
-                Case::says(line::MERGE, "The largest refusal", "Yes: there is a jump of the flow"),
-                Case::says(line::MERGE, "The largest merge", "No: all edges are merged"),
+                Reply::told(line::MERGE, explain::case::REFUSAL, "Yes: there is a jump of the flow"),
+                Reply::told(line::MERGE, explain::case::MERGE, "No: all edges are merged"),
             ],
         ),
-        Question::number(
-            "segments",
-            "How many segments will the frame have?",
-            Reading { line: line::LABEL, after: "", before: " segments.", unit: "segments" },
-        ),
+        Question::value("segments", "How many segments will the frame have?", line::LABEL, SEGMENTS)
+            .unless_told(&[case::NO_SEGMENT, case::ONE_SEGMENT]),
     ];
     // Flow, edges while they are sorted, forest and labels; a checkpoint has a forest of its own.
     const BYTES_PER_PIXEL: [f64; 2] = [80.0, 110.0];

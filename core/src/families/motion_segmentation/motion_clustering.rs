@@ -7,6 +7,7 @@ use std::sync::Arc;
 use crate::base::{Error, Observer, Threads};
 use crate::data::{Clip, Flow};
 use crate::geometry::Grid;
+use crate::methods::segmentation::explain::{case, value::SEGMENTS};
 use crate::methods::segmentation::{
     FlowInput, Place, Points, Record, SegmentationRun, Segmenter, SegmenterState, kmeans,
     kmeans::Trial,
@@ -16,7 +17,7 @@ use crate::methods::segmentation::{
 };
 use crate::products::SegmentFrame;
 use crate::run::{Info, Progress, Seen};
-use crate::scene::{Question, Reading, Role, Scene, Step};
+use crate::scene::{Question, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 choices! {
@@ -88,6 +89,11 @@ params! {
 
 /// Rise of the log-likelihood per pixel below which expectation maximisation has converged.
 const LEAST_RISE: f64 = 1e-4;
+
+/// Whether expectation maximisation has converged with this log-likelihood per pixel.
+fn has_converged(before: Option<&f64>, likelihood: f64) -> bool {
+    before.is_some_and(|before| likelihood - before < LEAST_RISE)
+}
 
 /// The points of a frame.
 pub struct Data {
@@ -256,9 +262,9 @@ impl MotionClustering {
         let expected = mixture::expect(&data.points, &state.components, nearest, threads);
         let likelihood = expected.log_likelihood / data.points.len() as f64;
         observer.see(|| Event::Expected(Arc::clone(&state.nearest), expected.changed, likelihood));
-        let has_converged = state.progress.last().is_some_and(|before| likelihood - before < LEAST_RISE);
+        let is_over = has_converged(state.progress.last(), likelihood);
         state.progress.push(likelihood);
-        if has_converged || state.progress.len() >= self.iterations {
+        if is_over || state.progress.len() >= self.iterations {
             return true;
         }
         for (index, component) in state.components.iter_mut().enumerate() {
@@ -391,17 +397,15 @@ impl Segmenter for MotionClustering {
         frames: 2,
     };
     const QUESTIONS: &'static [Question] = &[
-        Question::number(
+        Question::value(
             "changes",
             "How many pixels change their cluster in the next iteration?",
-            Reading { line: line::ASSIGN, after: "", before: " pixels change their cluster", unit: "pixels" },
+            line::ASSIGN,
+            explain::value::CHANGES,
         )
-        .unless("Iteration 1:"),
-        Question::number(
-            "segments",
-            "How many segments will the frame have?",
-            Reading { line: line::LABEL, after: "", before: " segments.", unit: "segments" },
-        ),
+        .unless_told(&[explain::case::FIRST_ITERATION]),
+        Question::value("segments", "How many segments will the frame have?", line::LABEL, SEGMENTS)
+            .unless_told(&[case::NO_SEGMENT, case::ONE_SEGMENT]),
     ];
     // Flow, coordinates, indices, distances of the seeds and labels; each event of a unit may hold labels of its own.
     const BYTES_PER_PIXEL: [f64; 2] = [52.0, 64.0];

@@ -12,7 +12,7 @@ use crate::methods::segmentation::kmeans::Clustering;
 use crate::methods::segmentation::{FlowInput, Place, Points, Record, SegmentationRun, Segmenter, SegmenterState};
 use crate::products::SegmentFrame;
 use crate::run::{Info, Progress, Seen};
-use crate::scene::{Case, Question, Reading, Role, Scene, Step};
+use crate::scene::{Question, Reply, Role, Scene, Step};
 use crate::{params, pseudocode};
 
 params! {
@@ -358,19 +358,11 @@ impl Segmenter for MotionLayers {
             "hypothesis",
             "Is the affine motion of the next block a hypothesis?",
             &[
-                Case::says(line::FIT_BLOCK, "a hypothesis.", "Yes: one affine motion fits the block"),
-                Case::says(
-                    line::FIT_BLOCK,
-                    "no single affine motion fits",
-                    "No: the block lies across a motion boundary",
-                ),
+                Reply::told(line::FIT_BLOCK, explain::case::HYPOTHESIS, "Yes: one affine motion fits the block"),
+                Reply::told(line::FIT_BLOCK, explain::case::ACROSS, "No: the block lies across a motion boundary"),
             ],
         ),
-        Question::number(
-            "changes",
-            "How many pixels change their layer?",
-            Reading { line: line::ASSIGN, after: "", before: " pixels change their layer", unit: "pixels" },
-        ),
+        Question::value("changes", "How many pixels change their layer?", line::ASSIGN, explain::value::CHANGES),
     ];
     // Flow, labels, connected regions; each event of a unit may hold labels of its own.
     const BYTES_PER_PIXEL: [f64; 2] = [36.0, 56.0];

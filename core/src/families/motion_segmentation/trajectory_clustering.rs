@@ -13,6 +13,7 @@ use std::sync::{Arc, OnceLock};
 use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::{Clip, Flow};
 use crate::geometry::Grid;
+use crate::methods::segmentation::explain::value::SEGMENTS;
 use crate::methods::segmentation::kmeans::Clustering;
 use crate::methods::segmentation::spectral::{Spectrum, normalized};
 use crate::methods::segmentation::{Points, Record};
@@ -21,7 +22,7 @@ use crate::run::{
     Estimator, Explained, FeatureTracks, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, Stage,
     run_counted,
 };
-use crate::scene::{Chart, Focus, Name, Question, Reading, Role, Scene, Step};
+use crate::scene::{Chart, Focus, Name, Question, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 choices! {
@@ -317,16 +318,14 @@ impl Estimator for TrajectoryClustering {
         frames: 2,
     };
     const QUESTIONS: &'static [Question] = &[
-        Question::number(
+        Question::value(
             "alike",
             "How many trajectories have an affinity of at least 0.5 with the next one?",
-            Reading { line: line::COMPARE, after: "", before: " of them with an affinity", unit: "trajectories" },
+            line::COMPARE,
+            explain::value::ALIKE,
         ),
-        Question::number(
-            "segments",
-            "How many segments will there be?",
-            Reading { line: line::CLUSTER, after: "finds ", before: " segments", unit: "segments" },
-        ),
+        Question::value("segments", "How many segments will there be?", line::CLUSTER, SEGMENTS)
+            .unless_told(&[explain::case::FOUND_FEWER]),
     ];
     const GUARANTEE: Guarantee = Guarantee::Trajectories;
     const CHARTS: &'static [Chart] = &[Chart::Series];

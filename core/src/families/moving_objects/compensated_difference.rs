@@ -2,22 +2,21 @@
 
 use std::sync::{Arc, OnceLock};
 
-use crate::base::{Error, Threads, words};
+use crate::base::{Error, Threads};
 use crate::data::{Clip, Frame, Mask};
 use crate::geometry::Grid;
 use crate::methods::camera_path::{Refused, matrix, usable, why};
-use crate::methods::numbers::level;
 use crate::methods::subtraction::{
-    Background, CameraMotion, Comparison, Differencing, Explanation, Exposure, Found, FrameComparison, NOISE_SIGMAS,
-    Settings, Steadiness, automatic_threshold, displaced, noise_of, subtraction_pseudocode,
+    self, Background, CameraMotion, Cases, Comparison, Differencing, Explanation, Exposure, Found, Probe, Settings,
+    Setup, Steadiness, automatic_threshold, difference_rule, displaced, noise_of, subtraction_pseudocode,
 };
-use crate::params;
 use crate::products::model::{IDENTITY, Matrix3, inverse, mapped, product};
 use crate::products::path::middle;
 use crate::products::registration::{gray_at, inside};
 use crate::products::{ModelField, Support};
 use crate::run::{GlobalModel, Info, Need, Stage, StageView};
-use crate::scene::{Chart, Fact, Role, Sentence};
+use crate::scene::{Case, Chart, Readout, Role, Step, Unit};
+use crate::{cases, params, variables};
 
 params! {
     /// Motion-compensated difference: moving objects before a moving camera.
@@ -71,6 +70,12 @@ impl Registered {
         let known = self.levels.iter().map(|levels| levels[place]).filter(|level| !level.is_nan());
         known.reduce(|a, b| if (b - value).abs() < (a - value).abs() { b } else { a }).unwrap_or(f32::NAN)
     }
+
+    /// Whether a level differs from all previous frames that show its place.
+    fn differs(&self, place: (usize, usize), level: u8) -> bool {
+        let value = f32::from(level);
+        (self.nearest(place, value) - value).abs() > f32::from(self.limit)
+    }
 }
 
 impl CompensatedDifference {
@@ -112,6 +117,37 @@ impl CompensatedDifference {
     }
 }
 
+variables! {
+    /// The name of the motion stage.
+    STAGE: "", "", Unit::WHOLE;
+    /// The motion of the centre of the picture.
+    MOTION: "Motion of the centre", r"\mathbf{d}", Unit::PX, Role::Predicted;
+    /// The pixels that the warped previous frame does not show.
+    UNSEEN: "Not in the previous frame", "", Unit::new("px", 0), Role::Rejected;
+    /// The matches that agree with the motion.
+    INLIERS: "Inliers", "", Unit::WHOLE;
+    /// The matches that the motion is estimated from.
+    MATCHES: "Matches", "", Unit::WHOLE;
+    /// Why the motion of the stage is not used.
+    REASON: "", "", Unit::WHOLE;
+}
+
+cases! { over value, subtraction::value;
+    FROM_PREVIOUS: "the difference from the warped previous frame",
+    FROM_BOTH: "the difference from both warped previous frames",
+    REGISTERED: "{stage} from the previous frame to this one: {motion} {predicted|at the centre of the picture}. The previous \
+                 frame is warped by this motion; objects with a motion of their own differ from it.",
+    AT_REST: "{stage} from the previous frame to this one: {rejected|no usable motion}. {reason} The camera counts as at rest \
+              in this frame.",
+    NEW_PLACE: "has come into the picture: {rejected|the previous frame does not show its place}, so it counts as background.",
+    REPLACES: "this frame, with gray level {gray_level} here, becomes the reference; it is warped to the next.",
+    NOT_EXPLAINED: "{differing_share} of the frame differs from the background: the motion that was found does not explain the \
+                    background.",
+    PARALLAX: "A scene with much depth shows parallax, and an object that covers most of the picture dominates the matches. A \
+               motion model with more freedom helps against neither; compare the motion of objects with that of their \
+               surroundings.",
+}
+
 subtraction_pseudocode! {
     begin: "frame 0 is the reference of frame 1",
     register: "  M ← motion of the background from frame t−1 to frame t; B ← frame t−1 warped by M",
@@ -139,19 +175,11 @@ impl Background for CompensatedDifference {
     const CHARTS: &'static [Chart] = &[Chart::Matrices, Chart::Tiles, Chart::Series];
     const IS_REPLACED: bool = true;
     const IS_REGISTERED: bool = true;
-    const FLOODED: [&'static str; 2] = [
-        "the motion that was found does not explain the background",
-        "A scene with much depth shows parallax, and an object that covers most of the picture dominates the matches. A motion model with \
-         more freedom helps against neither; compare the motion of objects with that of their surroundings.",
-    ];
+    const FLOODED: [&'static Case; 2] = [case::NOT_EXPLAINED, case::PARALLAX];
     type Model = Model;
 
-    fn settings(&self) -> Settings {
-        self.settings
-    }
-
-    fn steadiness(&self) -> Option<Steadiness> {
-        Some(self.steady())
+    fn setup(&self) -> Setup {
+        Setup { settings: self.settings, initial: None, steady: Some(self.steady()) }
     }
 
     /// The motion leads from the frame before to the frame.
@@ -162,7 +190,7 @@ impl Background for CompensatedDifference {
     fn displaced(&self, model: &Model, frame: &Frame, mask: &Mask) -> Option<Mask> {
         let registered = self.registered(model, frame);
         let limit = f32::from(registered.limit);
-        displaced(mask, self.steady(), |place, of| {
+        displaced(mask, Some(self.steady()), |place, of| {
             let value = f32::from(frame.luma()[place]);
             (registered.nearest(of, value) - value).abs() <= limit
         })
@@ -193,10 +221,7 @@ impl Background for CompensatedDifference {
     fn subtract(&self, model: &mut Model, frame: &Arc<Frame>, _: &Threads) -> Found {
         let registered = self.registered(model, frame);
         let (width, height) = frame.size();
-        let mask = Mask::from_fn(width, height, |x, y| {
-            let value = f32::from(frame.luma()[(x, y)]);
-            (registered.nearest((x, y), value) - value).abs() > f32::from(registered.limit)
-        });
+        let mask = Mask::from_fn(width, height, |x, y| registered.differs((x, y), frame.luma()[(x, y)]));
         let motion = registered.motion;
         let mut before = vec![Earlier { frame: Arc::clone(frame), to_latest: IDENTITY }];
         if self.differencing == Differencing::Three {
@@ -222,74 +247,54 @@ impl Background for CompensatedDifference {
         (f32::from(frame.luma()[place]) - self.compared_with(model, frame, place)).abs()
     }
 
-    fn comparison(&self, model: &Model, frame: &Frame) -> Option<FrameComparison> {
+    fn comparison(&self, step: Step, model: &Model, frame: &Frame) -> (Step, Cases) {
         let registered = self.registered(model, frame);
         let from = middle(frame.size());
         let moved = mapped(&registered.motion, from).map_or([0.0; 2], |to| [to[0] - from[0], to[1] - from[1]]);
-        let moved = words::place(moved.map(|c| c as f32));
-        let known =
-            registered.levels.first().map_or(0, |all| all.cells().iter().filter(|level| !level.is_nan()).count());
-        let unseen = frame.luma().cells().len() - known;
-        let name = self.motion.estimator().info().name;
-        let mut facts = vec![
-            Fact::new("Motion of the centre", format!("{moved} px"), Some(Role::Predicted)),
-            Fact::new("Threshold", format!("{} gray levels", registered.limit), None),
-            Fact::new("Not in the previous frame", format!("{} px", words::grouped(unseen)), Some(Role::Rejected)),
-        ];
-        facts.extend(registered.support.map(|Support { inliers, matches }| {
-            Fact::new("Inliers", format!("{} of {} matches", words::grouped(inliers), words::grouped(matches)), None)
-        }));
-        let said = Sentence::default().text(format!("{name} from the previous frame to this one: "));
-        let sentence = match registered.is_usable {
-            true => said.ink(Role::Predicted, format!("{moved} px at the centre of the picture")).text(
-                ". The previous frame is warped by this motion; objects with a motion of their own differ from it.",
-            ),
-            false => said.ink(Role::Rejected, "no usable motion").text(format!(
-                ". {} The camera counts as at rest in this frame.",
-                registered.refused.map_or_else(String::new, why)
-            )),
-        };
-        let matrices = vec![matrix("M", "motion of the background", Role::Predicted, &registered.motion)];
-        Some(FrameComparison { sentence, facts, matrices })
+        let unseen = registered
+            .levels
+            .first()
+            .map_or(frame.luma().cells().len(), |all| all.cells().iter().filter(|level| level.is_nan()).count());
+        let step = step
+            .put(value::STAGE, self.motion.estimator().info().name)
+            .fact(value::MOTION, moved)
+            .fact_of(subtraction::value::THRESHOLD.is(registered.limit).in_unit(Unit::LEVEL))
+            .fact(value::UNSEEN, unseen)
+            .fact_if(value::INLIERS, registered.support.map(|support| support.inliers))
+            .fact_if(value::MATCHES, registered.support.map(|support| support.matches))
+            .put(value::REASON, registered.refused.map_or_else(String::new, why))
+            .show(Readout::Matrices(vec![matrix(
+                "M",
+                "motion of the background",
+                Role::Predicted,
+                &registered.motion,
+            )]));
+        (step, vec![if registered.is_usable { case::REGISTERED } else { case::AT_REST }])
     }
 
-    fn explain(&self, [before, _]: [Option<&Model>; 2], frame: &Frame, place: (usize, usize)) -> Explanation {
-        let Some(before) = before else { return Explanation::default() };
-        let registered = self.registered(before, frame);
-        let value = f32::from(frame.luma()[place]);
-        let nearest = registered.nearest(place, value);
-        let update = Sentence::default().text(format!(
-            "this frame, with gray level {} here, becomes the reference; it is warped to the next.",
-            level(value)
-        ));
+    fn explain(&self, step: Step, probe: &Probe<Model>) -> Explanation {
+        let &Probe { before, after, frame, place } = probe;
+        let (registered, level) = (self.registered(before, frame), frame.luma()[place]);
+        let nearest = registered.nearest(place, level.into());
+        let update = after.map(|_| case::REPLACES).into_iter().collect();
         if nearest.is_nan() {
-            let verdict = Sentence::default()
-                .text(" has come into the picture: ")
-                .ink(Role::Rejected, "the previous frame does not show its place")
-                .text(", so it counts as background.");
-            return Explanation { verdict, update, ..Explanation::default() };
+            let step = step.put(subtraction::value::GRAY_LEVEL, level);
+            return Explanation { step, verdict: vec![case::NEW_PLACE], update };
         }
         let comparison = Comparison {
-            pixel: &[frame.luma()[place]],
-            background: &[nearest],
-            is_whole: false,
-            threshold: f32::from(registered.limit),
+            pixel: vec![level],
+            background: vec![nearest],
+            after: None,
+            threshold: subtraction::value::THRESHOLD.is(registered.limit),
+            is_foreground: registered.differs(place, level),
         };
-        Explanation { update, ..comparison.explained() }
+        Explanation { update, ..comparison.explained(step) }
     }
 
-    fn rule(&self) -> String {
-        let which = match self.differencing {
-            Differencing::Two => "the warped previous frame",
-            Differencing::Three => "both warped previous frames",
-        };
-        match self.threshold {
-            0 => format!(
-                "the difference from {which} exceeds {} standard deviations of the noise, at least 8 gray levels",
-                NOISE_SIGMAS
-            ),
-            threshold => format!("the difference from {which} exceeds the threshold of {threshold} gray levels"),
-        }
+    fn rule(&self, step: Step) -> (Step, Cases) {
+        let is_two = self.differencing == Differencing::Two;
+        let from = if is_two { case::FROM_PREVIOUS } else { case::FROM_BOTH };
+        difference_rule(step, self.threshold, [from, subtraction::case::END])
     }
 
     fn at_rest(&self, model: &Arc<Model>) -> Arc<Model> {

@@ -13,7 +13,7 @@ use crate::products::{MaskField, ObjectField, ObjectFrame, Output, Product, Prod
 use crate::run::{
     Estimator, Footprint, Frames, Granularity, Guarantee, Info, Masks, Need, Pointed, Progress, Seen, Span, Stage, need,
 };
-use crate::scene::{Case, Chart, Focus, Question, Role, Scene, Step};
+use crate::scene::{Chart, Focus, Question, Reply, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 use super::FrameDifference;
@@ -168,14 +168,14 @@ impl Estimator for ConnectedComponents {
             "label",
             "Which label does the next run of foreground pixels take?",
             &[
-                Case::at(line::NEW_LABEL, "A new one: it touches no run above"),
-                Case::at(line::TAKE_ROOT, "That of a run above"),
+                Reply::at(line::NEW_LABEL, "A new one: it touches no run above"),
+                Reply::at(line::TAKE_ROOT, "That of a run above"),
             ],
         ),
         Question::choice(
             "union",
             "Do the two runs above have the same root?",
-            &[Case::at(line::EACH_OTHER_RUN, "Yes: no union is needed"), Case::at(line::MERGE_ROOTS, "No: union")],
+            &[Reply::at(line::EACH_OTHER_RUN, "Yes: no union is needed"), Reply::at(line::MERGE_ROOTS, "No: union")],
         ),
     ];
     const GUARANTEE: Guarantee = Guarantee::Objects;

@@ -2,14 +2,15 @@
 
 use std::sync::{Arc, OnceLock};
 
-use crate::base::{Error, Threads, words};
+use crate::base::{Error, Threads};
 use crate::data::{Clip, Flow, Frame, Mask};
 use crate::geometry::{Border, Grid, filter};
-use crate::methods::numbers::{gray, level, px};
-use crate::methods::subtraction::{Background, Explanation, Found, Settings, subtraction_pseudocode};
-use crate::params;
+use crate::methods::subtraction::{
+    self, Background, Cases, Explanation, Found, Probe, Settings, Setup, class, subtraction_pseudocode,
+};
 use crate::run::{DenseFlow, Info, Need, Stage, StageView};
-use crate::scene::{Canvas, Fact, Math, Picture, Role, Sentence};
+use crate::scene::{Canvas, Picture, Role, Step, Unit, Value};
+use crate::{cases, params, variables};
 
 params! {
     /// Foreground by the magnitude of the optical flow.
@@ -53,11 +54,6 @@ impl FramePair {
     fn displacement(&self, (x, y): (usize, usize)) -> [f32; 2] {
         self.back.at(x, y).unwrap_or_default()
     }
-
-    /// Returns whether motion compensation reduces the residual around a pixel.
-    fn is_explained(&self, place: (usize, usize)) -> bool {
-        self.moved[place] < self.at_rest[place]
-    }
 }
 
 impl FlowMagnitude {
@@ -88,9 +84,37 @@ impl FlowMagnitude {
         FramePair { at_rest, moved, back }
     }
 
-    fn is_foreground(&self, pair: &FramePair, place: (usize, usize)) -> bool {
-        pair.length(place) > self.threshold && pair.is_explained(place)
+    /// The threshold on the flow magnitude.
+    fn limit(&self) -> Value {
+        subtraction::value::THRESHOLD.is(self.threshold).in_unit(Unit::SPEED)
     }
+
+    /// Whether the flow of a pixel exceeds the threshold, and whether motion compensation reduces the residual around it: together they
+    /// make it foreground.
+    fn tests(&self, pair: &FramePair, place: (usize, usize)) -> [bool; 2] {
+        [pair.length(place) > self.threshold, pair.moved[place] < pair.at_rest[place]]
+    }
+}
+
+variables! {
+    /// The optical flow of the pixel back to the previous frame.
+    FLOW: "Flow to frame t−1", r"\mathbf{w}", Unit::PX, Role::Measured;
+    /// The magnitude of the flow.
+    MAGNITUDE: "Flow magnitude", r"|\mathbf{w}|", Unit::SPEED;
+    /// The mean absolute residual around the pixel after motion compensation.
+    MOVED: "Residual with motion", "", Unit::GRAY;
+    /// The mean absolute residual around the pixel without motion compensation.
+    AT_REST: "Residual without motion", "", Unit::GRAY;
+}
+
+cases! { over value, subtraction::value;
+    RULE: "the flow magnitude exceeds {threshold}, and motion compensation lowers the residual.",
+    SHORT: ": flow magnitude {magnitude} is within the threshold {threshold}: background.",
+    EXPLAINED: ": flow magnitude {magnitude} exceeds the threshold {threshold}. Motion compensation lowers the residual to \
+                {moved} from {at_rest:bare}: foreground.",
+    SPREAD: ": flow magnitude {magnitude} exceeds the threshold {threshold}, but motion compensation leaves a residual of \
+             {moved}, not below the {at_rest:bare} without it. The flow has spread from a neighbouring object: background.",
+    REPLACES: "this frame, with gray level {gray_level} here, becomes the reference of the next flow.",
 }
 
 subtraction_pseudocode! {
@@ -122,8 +146,8 @@ impl Background for FlowMagnitude {
         Some(1)
     }
 
-    fn settings(&self) -> Settings {
-        self.settings
+    fn setup(&self) -> Setup {
+        Setup { settings: self.settings, initial: None, steady: None }
     }
 
     /// The flow leads from a frame back to the one before.
@@ -153,7 +177,7 @@ impl Background for FlowMagnitude {
     fn subtract(&self, model: &mut Model, frame: &Arc<Frame>, _: &Threads) -> Found {
         let pair = self.compared(model, frame);
         let (width, height) = frame.size();
-        let mask = Mask::from_fn(width, height, |x, y| self.is_foreground(pair, (x, y)));
+        let mask = Mask::from_fn(width, height, |x, y| self.tests(pair, (x, y)) == [true; 2]);
         *model = self.begin(frame);
         Found { mask, shadows: None }
     }
@@ -174,66 +198,34 @@ impl Background for FlowMagnitude {
         self.compared(model, frame).length(place)
     }
 
-    fn explain(&self, [before, _]: [Option<&Model>; 2], frame: &Frame, place: (usize, usize)) -> Explanation {
-        let Some(before) = before else { return Explanation::default() };
+    fn explain(&self, step: Step, probe: &Probe<Model>) -> Explanation {
+        let &Probe { before, after, frame, place } = probe;
         let pair = self.compared(before, frame);
-        let (is_long, is_explained) = (pair.length(place) > self.threshold, pair.is_explained(place));
-        let role = |holds: bool| if holds { Role::Result } else { Role::Rejected };
-        let [length, limit] = [pair.length(place), self.threshold].map(|length| px(length.into()));
-        let [moved, at_rest] = [pair.moved[place], pair.at_rest[place]].map(gray);
-        let vector = words::place(pair.displacement(place));
-        let compare = |holds: bool, signs: [&str; 2]| Math::text(signs[usize::from(!holds)]);
-        let equation = vec![
-            Math::Row(vec![
-                Math::Abs(Box::new(Math::ink(Role::Measured, vector.clone()))),
-                Math::text(" = "),
-                Math::ink(role(is_long), length.clone()),
-                compare(is_long, [" > ", " ≤ "]),
-                Math::text(limit.clone()),
-            ]),
-            Math::Row(vec![
-                Math::text("mean |I(x, t) − I(x + w, t−1)| = "),
-                Math::ink(role(is_explained), moved.clone()),
-                compare(is_explained, [" < ", " ≥ "]),
-                Math::text(format!("{at_rest} = mean |I(x, t) − I(x, t−1)|")),
-            ]),
-        ];
-        let said = Sentence::default().text(": flow magnitude ").ink(role(is_long), format!("{length} px/frame"));
+        let [is_long, is_explained] = self.tests(pair, place);
+        let [(long, longer), (explained, _)] = [is_long, is_explained].map(class);
+        let lower = if is_explained { "<" } else { r"\ge" };
+        let step = step
+            .fact(value::FLOW, pair.displacement(place))
+            .fact_of(value::MAGNITUDE.is(pair.length(place)).inked(long))
+            .fact_of(self.limit())
+            .fact_of(value::MOVED.is(pair.moved[place]).inked(explained))
+            .fact(value::AT_REST, pair.at_rest[place])
+            .put(subtraction::value::GRAY_LEVEL, frame.luma()[place])
+            .formula(format!("|{{flow}}| = {{magnitude}} {longer} {{threshold}}"))
+            .formula(format!(
+                r"\text{{mean |I(x, t) − I(x + w, t−1)|}} = {{moved}} {lower} {{at_rest}} = \text{{mean |I(x, t) − I(x, t−1)|}}"
+            ));
         let verdict = match (is_long, is_explained) {
-            (false, _) => said.text(format!(" is within the threshold {limit} px/frame: background.")),
-            (true, true) => said
-                .text(format!(" exceeds the threshold {limit} px/frame. Motion compensation lowers the residual to "))
-                .ink(role(true), format!("{moved} gray levels"))
-                .text(format!(" from {at_rest}: foreground.")),
-            (true, false) => said
-                .text(format!(" exceeds the threshold {limit} px/frame, but motion compensation leaves a residual of "))
-                .ink(role(false), format!("{moved} gray levels"))
-                .text(format!(
-                    ", not below the {at_rest} without it. The flow has spread from a neighbouring object: background."
-                )),
+            (false, _) => case::SHORT,
+            (true, true) => case::EXPLAINED,
+            (true, false) => case::SPREAD,
         };
-        let update = Sentence::default().text(format!(
-            "this frame, with gray level {} here, becomes the reference of the next flow.",
-            level(f32::from(frame.luma()[place]))
-        ));
-        Explanation {
-            facts: vec![
-                Fact::new("Flow to frame t−1", format!("{vector} px"), Some(Role::Measured)),
-                Fact::new("Flow magnitude", format!("{length} px/frame"), Some(role(is_long))),
-                Fact::new("Threshold", format!("{limit} px/frame"), None),
-                Fact::new("Residual with motion", format!("{moved} gray levels"), Some(role(is_explained))),
-                Fact::new("Residual without motion", format!("{at_rest} gray levels"), None),
-            ],
-            equation,
-            matrices: Vec::new(),
-            verdict,
-            update,
-        }
+        let update = after.map(|_| case::REPLACES).into_iter().collect();
+        Explanation { step, verdict: vec![verdict], update }
     }
 
-    fn rule(&self) -> String {
-        let limit = px(self.threshold.into());
-        format!("the flow magnitude exceeds {limit} px/frame, and motion compensation lowers the residual")
+    fn rule(&self, step: Step) -> (Step, Cases) {
+        (step.put_value(self.limit()), vec![case::RULE])
     }
 
     fn model_bytes(&self, model: &Model) -> usize {

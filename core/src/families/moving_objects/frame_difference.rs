@@ -4,15 +4,14 @@ use std::sync::Arc;
 
 use crate::base::{Threads, wide::wide};
 use crate::data::{Clip, Frame, Mask};
-use crate::methods::numbers::level;
 use crate::methods::subtraction::{
-    Background, Channel, Channels, Comparison, Differencing, Explanation, Flags, Found, NOISE_SIGMAS, Row, Settings,
-    Steadiness, automatic_threshold, displaced, kind, largest, levels, noise_of, resampled, subtraction_pseudocode,
-    tuple,
+    self, Background, Cases, Channel, Channels, Comparison, Differencing, Explanation, Flags, Found, Probe, Row,
+    Settings, Setup, Steadiness, automatic_threshold, difference_rule, displaced, largest, levels, noise_of, resampled,
+    subtraction_pseudocode, tuple,
 };
-use crate::params;
 use crate::run::{Info, Need};
-use crate::scene::{Canvas, Fact, Math, Picture, Role, Sentence};
+use crate::scene::{Canvas, Picture, Role, Step, Unit};
+use crate::{cases, params, variables};
 
 params! {
     /// Frame differencing: thresholded differences of consecutive frames.
@@ -101,17 +100,44 @@ fn both_differ(rows: [Row<'_>; 2], threshold: u8, words: &mut [u64]) {
         for c in 0..rows[0].channels() {
             let [here, there] = rows.map(|row| row.block(c, 64 * index));
             for ((flag, a), b) in flags.0.iter_mut().zip(here).zip(there) {
-                *flag |= u8::from(a.abs_diff(b) > threshold);
+                *flag |= u8::from(differs(a, b, threshold));
             }
         }
         *word &= flags.word();
     }
 }
 
+/// Whether two levels differ by more than the threshold.
+#[inline(always)]
+fn differs(a: u8, b: u8, threshold: u8) -> bool {
+    a.abs_diff(b) > threshold
+}
+
+/// Whether a pixel of a frame differs in no channel from a pixel of another one.
+fn is_near(frames: [&Frame; 2], places: [(usize, usize); 2], (channels, threshold): (usize, u8)) -> bool {
+    let [a, b] = [0, 1].map(|i| levels(frames[i], places[i], channels));
+    !(0..channels).any(|c| differs(a[c], b[c], threshold))
+}
+
+variables! {
+    /// The level or colour of the pixel in the previous frame.
+    FRAME_BEFORE: "Frame t−1", "I(t-1)", Unit::WHOLE, Role::Predicted;
+    /// The level or colour of the pixel in the frame before that.
+    FRAME_EARLIER: "Frame t−2", "I(t-2)", Unit::WHOLE, Role::Predicted;
+}
+
+cases! { over value, subtraction::value;
+    FROM_PREVIOUS: "the difference from the previous frame",
+    FROM_BOTH: "the difference from both previous frames",
+    REPLACES_LEVEL: "this frame, with gray level {gray_level}, becomes the reference of the next in place of the frame with \
+                     {frame_before}.",
+    REPLACES_COLOUR: "this frame, with colour {colour}, becomes the reference of the next in place of the frame with \
+                      {frame_before}.",
+}
+
 subtraction_pseudocode! {
     begin: "B ← frame 0",
     camera: "  shift B by the median displacement of the camera",
-    exposure: "  correct the exposure of the frame to that of the background",
     compare: "  d ← |I(t) − I(t−1)|, in colour the maximum over the channels; with three frames the smaller of it and that of t−2",
     decide: "  foreground if d > threshold",
     shake: "  suppress pixels that fit the background of a pixel within shake",
@@ -136,12 +162,8 @@ impl Background for FrameDifference {
     /// The previous frames, the latest one first.
     type Model = Vec<Arc<Frame>>;
 
-    fn settings(&self) -> Settings {
-        self.settings
-    }
-
-    fn steadiness(&self) -> Option<Steadiness> {
-        Some(self.steady)
+    fn setup(&self) -> Setup {
+        Setup { settings: self.settings, initial: None, steady: Some(self.steady) }
     }
 
     fn moved(&self, model: &Self::Model, by: [f32; 2], frame: &Arc<Frame>) -> Self::Model {
@@ -150,11 +172,8 @@ impl Background for FrameDifference {
 
     fn displaced(&self, model: &Self::Model, frame: &Frame, mask: &Mask) -> Option<Mask> {
         let (threshold, channels) = (self.limit(model, frame), self.count(model, frame));
-        let is_near = |earlier: &Frame, place, of| {
-            let [value, before] = [levels(frame, place, channels), levels(earlier, of, channels)];
-            (0..channels).all(|c| value[c].abs_diff(before[c]) <= threshold)
-        };
-        displaced(mask, self.steady, |place, of| model.iter().any(|earlier| is_near(earlier, place, of)))
+        let fits = |earlier: &Frame, places| is_near([frame, earlier], places, (channels, threshold));
+        displaced(mask, Some(self.steady), |place, of| model.iter().any(|earlier| fits(earlier, [place, of])))
     }
 
     fn need(&self, clip: &Clip) -> Need {
@@ -203,46 +222,33 @@ impl Background for FrameDifference {
         self.nearest(model, frame, place).map_or(0.0, |(_, (_, difference))| difference)
     }
 
-    fn explain(&self, [before, _]: [Option<&Self::Model>; 2], frame: &Frame, place: (usize, usize)) -> Explanation {
-        let Some(before) = before else { return Explanation::default() };
-        let Some((nearest, _)) = self.nearest(before, frame, place) else { return Explanation::default() };
-        let channels = self.count(before, frame);
-        let of = |frame: &Frame| levels(frame, place, channels);
-        let text = |frame: &Frame| tuple(&of(frame)[..channels], |value| level(value.into()));
+    fn explain(&self, step: Step, probe: &Probe<Self::Model>) -> Explanation {
+        let &Probe { before, after, frame, place } = probe;
+        let Some((nearest, _)) = self.nearest(before, frame, place) else { return Explanation::of(step) };
+        let (channels, limit) = (self.count(before, frame), self.limit(before, frame));
+        let of = |frame: &Frame| levels(frame, place, channels)[..channels].to_vec();
         let comparison = Comparison {
-            pixel: &of(frame)[..channels],
-            background: &of(nearest).map(f32::from)[..channels],
-            is_whole: true,
-            threshold: f32::from(self.limit(before, frame)),
+            pixel: of(frame),
+            background: of(nearest).into_iter().map(f32::from).collect(),
+            after: None,
+            threshold: subtraction::value::THRESHOLD.is(limit).in_unit(Unit::LEVEL),
+            is_foreground: !before.iter().any(|earlier| is_near([frame, earlier], [place; 2], (channels, limit))),
         };
-        let mut explanation = comparison.explained();
-        if let [last, earlier] = &before[..] {
-            explanation.facts.push(Fact::new(
-                "Frames t−1 and t−2",
-                format!("{} and {}", text(last), text(earlier)),
-                Some(Role::Predicted),
-            ));
-            explanation.equation.insert(0, Math::text("B = the more similar of I(t−1) and I(t−2)"));
-        }
-        explanation.update = Sentence::default()
-            .text(format!("this frame, with {} {}, becomes the reference of the next", kind(channels)[1], text(frame)))
-            .text(format!(" in place of the frame with {}.", text(&before[0])));
-        explanation
+        let step = match &before[..] {
+            [last, earlier] => step
+                .fact(value::FRAME_BEFORE, tuple(&of(last)))
+                .fact(value::FRAME_EARLIER, tuple(&of(earlier)))
+                .formula(r"B = \text{the more similar of I(t−1) and I(t−2)}"),
+            _ => step.put(value::FRAME_BEFORE, tuple(&of(&before[0]))),
+        };
+        let update = if channels == 1 { case::REPLACES_LEVEL } else { case::REPLACES_COLOUR };
+        Explanation { update: after.map(|_| update).into_iter().collect(), ..comparison.explained(step) }
     }
 
-    fn rule(&self) -> String {
-        let which = if self.differencing == Differencing::Two { "the previous frame" } else { "both previous frames" };
-        match self.threshold {
-            0 => format!(
-                "the difference from {which} exceeds {} standard deviations of the noise, at least 8 gray levels{}",
-                NOISE_SIGMAS,
-                self.channels.any()
-            ),
-            threshold => format!(
-                "the difference from {which} exceeds the threshold of {threshold} gray levels{}",
-                self.channels.any()
-            ),
-        }
+    fn rule(&self, step: Step) -> (Step, Cases) {
+        let is_two = self.differencing == Differencing::Two;
+        let from = if is_two { case::FROM_PREVIOUS } else { case::FROM_BOTH };
+        difference_rule(step, self.threshold, [from, self.channels.any()])
     }
 
     fn model_bytes(&self, model: &Self::Model) -> usize {

@@ -7,14 +7,13 @@ use std::sync::Arc;
 use crate::base::Threads;
 use crate::data::{Clip, Frame, Mask};
 use crate::geometry::Grid;
-use crate::methods::numbers::gray;
 use crate::methods::subtraction::{
-    Background, Explanation, Flags, Found, Initial, SHADOW_SHARE, Settings, ShadowDetection, ShadowLimits, Steadiness,
-    by_rows, displaced, is_shadow, levels, luma, shifted, subtraction_pseudocode,
+    Background, Cases, Explanation, Flags, Found, Initial, Probe, SHADOW_SHARE, Settings, Setup, ShadowDetection,
+    ShadowLimits, Steadiness, by_rows, displaced, is_shadow, levels, luma, shifted, subtraction_pseudocode,
 };
 use crate::params;
 use crate::run::{Info, Need};
-use crate::scene::Chart;
+use crate::scene::{Chart, Step};
 use crate::synth::random::hash;
 
 params! {
@@ -158,7 +157,6 @@ fn square(a: [u8; 3], b: [u8; 3], channels: usize) -> f32 {
 subtraction_pseudocode! {
     begin: "all samples of each pixel ← the initial background",
     camera: "  shift the model by the median displacement of the camera, in whole px",
-    exposure: "  correct the exposure of the frame to that of the background",
     compare: "  n ← number of background samples s with |I − s| ≤ threshold",
     decide: "  foreground if n < k",
     shadows: "  shadow if I ≈ a s with shadow-threshold ≤ a ≤ 1 for k background samples",
@@ -183,12 +181,8 @@ impl Background for KnnBackground {
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Matrices];
     type Model = Samples;
 
-    fn settings(&self) -> Settings {
-        self.settings
-    }
-
-    fn steadiness(&self) -> Option<Steadiness> {
-        Some(self.steady)
+    fn setup(&self) -> Setup {
+        Setup { settings: self.settings, initial: Some(self.initial), steady: Some(self.steady) }
     }
 
     fn moved(&self, model: &Samples, by: [f32; 2], frame: &Arc<Frame>) -> Samples {
@@ -197,7 +191,7 @@ impl Background for KnnBackground {
     }
 
     fn displaced(&self, model: &Samples, frame: &Frame, mask: &Mask) -> Option<Mask> {
-        displaced(mask, self.steady, |place, of| {
+        displaced(mask, Some(self.steady), |place, of| {
             let value = (levels(frame, place, model.channels), model.channels);
             self.has_near(&model.sets[of], value, |sample| sample.is_background)
         })
@@ -205,10 +199,6 @@ impl Background for KnnBackground {
 
     fn need(&self, clip: &Clip) -> Need {
         Need::per_pixel(clip, [size_of::<Sets>() as f64 + 1.0; 2])
-    }
-
-    fn initial(&self) -> Initial {
-        self.initial
     }
 
     fn begin(&self, first: &Arc<Frame>) -> Samples {
@@ -264,12 +254,12 @@ impl Background for KnnBackground {
         self.distances(model, frame, place).get(self.k - 1).copied().unwrap_or(f32::NAN)
     }
 
-    fn explain(&self, models: [Option<&Samples>; 2], frame: &Frame, place: (usize, usize)) -> Explanation {
-        self.explanation(models, frame, place)
+    fn explain(&self, step: Step, probe: &Probe<Samples>) -> Explanation {
+        self.explanation(step, probe)
     }
 
-    fn rule(&self) -> String {
-        format!("fewer than k = {} background samples lie within {} gray levels", self.k, gray(self.threshold))
+    fn rule(&self, step: Step) -> (Step, Cases) {
+        self.put_rule(step)
     }
 
     fn model_bytes(&self, model: &Samples) -> usize {

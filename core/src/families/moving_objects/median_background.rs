@@ -2,18 +2,15 @@
 
 use std::sync::Arc;
 
-use crate::base::{Threads, wide::wide, words};
-use crate::data::{Clip, Frame, Mask};
+use crate::base::wide::wide;
 use crate::geometry::Grid;
-use crate::methods::numbers::level;
 use crate::methods::subtraction::{
-    Accepted, Background, Channel, Channels, Channelwise, Comparison, Explanation, Found, Initial, Past, Planes, Row,
-    SHADOW_SHARE, Settings, ShadowDetection, Steadiness, classify, displaced, kind, levels, subtraction_pseudocode,
-    tuple,
+    Channel, ChannelModel, Channels, Channelwise, Common, Explanation, Initial, Past, Planes, Probe, Row, Settings,
+    Setup, ShadowDetection, Steadiness, classify, subtraction_pseudocode,
 };
-use crate::params;
-use crate::run::{Info, Need};
-use crate::scene::{Fact, Layer, Quantity, Role, Sentence};
+use crate::run::Info;
+use crate::scene::{Layer, Quantity, Step, Unit};
+use crate::{cases, params, variables};
 
 params! {
     /// Approximate median of each pixel.
@@ -66,10 +63,18 @@ impl Channelwise for MedianBackground {
 
 wide!(fn decide(of: &MedianBackground, row: Row<'_>, model: &mut [u8], words: &mut [u64]) = classify);
 
+variables! {
+    /// The largest step of the background toward the frame.
+    STEP: "", "", Unit::count("gray level");
+}
+
+cases! { over value;
+    STEPS: ", by a step of at most {step}.",
+}
+
 subtraction_pseudocode! {
     begin: "B ← the initial background",
     camera: "  shift the model by the median displacement of the camera, in whole px",
-    exposure: "  correct the exposure of the frame to that of the background",
     compare: "  d ← |I − B|; in colour the maximum over the channels",
     decide: "  foreground if d > threshold",
     shadows: "  shadow if I ≈ a B with shadow-threshold ≤ a ≤ 1",
@@ -77,7 +82,7 @@ subtraction_pseudocode! {
     update: "  B ← B + step where I > B, B − step where I < B, at most to I",
 }
 
-impl Background for MedianBackground {
+impl ChannelModel for MedianBackground {
     const INFO: Info = Info {
         id: "median-background",
         name: "Median background",
@@ -90,61 +95,23 @@ impl Background for MedianBackground {
         granularities: &["clip", "frame", "stage"],
         frames: 2,
     };
-    const SHOWN: &'static str = "|I − B|, in colour the maximum over the channels";
-    type Model = Planes<u8>;
+    const UNIT: Unit = Unit::LEVEL;
 
-    fn settings(&self) -> Settings {
-        self.settings
+    fn common(&self) -> Common {
+        let setup = Setup { settings: self.settings, initial: Some(self.initial), steady: Some(self.steady) };
+        Common { channels: self.channels, shadow: self.shadow, setup }
     }
 
-    fn steadiness(&self) -> Option<Steadiness> {
-        Some(self.steady)
+    fn threshold(&self) -> f32 {
+        self.threshold as f32
     }
 
-    fn moved(&self, model: &Self::Model, by: [f32; 2], frame: &Arc<Frame>) -> Self::Model {
-        model.shifted(by, &self.begin(frame))
+    fn begun(&self, level: u8) -> u8 {
+        level
     }
 
-    fn displaced(&self, model: &Self::Model, frame: &Frame, mask: &Mask) -> Option<Mask> {
-        displaced(mask, self.steady, |place, of| model.fits(self, (frame, place), of))
-    }
-
-    fn need(&self, clip: &Clip) -> Need {
-        Need::per_pixel(clip, [1.0 + 2.0 * self.channels.most(clip) as f64; 2])
-    }
-
-    fn initial(&self) -> Initial {
-        self.initial
-    }
-
-    fn begin(&self, first: &Arc<Frame>) -> Planes<u8> {
-        Planes::begin(first, self.channels, |level| level)
-    }
-
-    fn subtract(&self, model: &mut Planes<u8>, frame: &Arc<Frame>, threads: &Threads) -> Found {
-        // Shadows are those on the background before the update.
-        let before = (self.shadow.detect_shadows && model.channels == 3).then(|| model.clone());
-        let mask = model.by_rows(frame, threads, |row, cells, words| decide(self, row, cells, words));
-        let limit = |_| (SHADOW_SHARE * self.threshold as f32).powi(2);
-        let darkest = self.shadow.shadow_threshold;
-        let shadows = before.map(|model| model.shadows((frame, &mask), darkest, f32::from, limit));
-        Found { mask, shadows }
-    }
-
-    fn expected(&self, model: &Planes<u8>, place: (usize, usize)) -> f32 {
-        model.expected(place, Channel::Gray, f32::from)
-    }
-
-    fn expected_color(&self, model: &Planes<u8>, place: (usize, usize)) -> Option<[u8; 3]> {
-        model.color(place, f32::from)
-    }
-
-    fn channel(&self, model: &Planes<u8>, frame: &Frame, place: (usize, usize)) -> Channel {
-        model.deciding(self, frame, place).0
-    }
-
-    fn compared_in(&self, model: &Planes<u8>, _: &Frame, place: (usize, usize), channel: Channel) -> f32 {
-        model.expected(place, channel, f32::from)
+    fn decide(&self, row: Row<'_>, cells: &mut [u8], words: &mut [u64]) {
+        decide(self, row, cells, words);
     }
 
     fn layers(&self, model: &Arc<Planes<u8>>, past: &Past) -> Vec<Layer> {
@@ -159,49 +126,9 @@ impl Background for MedianBackground {
         })]
     }
 
-    fn accepted(&self, model: &Planes<u8>, place: (usize, usize), channel: Channel) -> Vec<Accepted> {
-        vec![Accepted::around(model.expected(place, channel, f32::from), self.threshold as f32)]
-    }
-
-    fn difference(&self, model: &Planes<u8>, frame: &Frame, place: (usize, usize)) -> f32 {
-        model.deciding(self, frame, place).1
-    }
-
-    fn explain(&self, [before, after]: [Option<&Planes<u8>>; 2], frame: &Frame, place: (usize, usize)) -> Explanation {
-        let Some(before) = before else { return Explanation::default() };
-        let (channels, pixel) = (before.channels, levels(frame, place, before.channels));
-        let pixel = &pixel[..channels];
-        let comparison = Comparison {
-            pixel,
-            background: &before.at(place).map(f32::from)[..channels],
-            is_whole: true,
-            threshold: self.threshold as f32,
-        };
-        let mut explanation = comparison.explained();
-        if let Some(after) = after {
-            let text = |values: &[u8]| tuple(values, |value| level(value.into()));
-            let [old, new] = [before, after].map(|model| text(&model.at(place)[..channels]));
-            explanation.facts.push(Fact::new("Background after update", new.clone(), Some(Role::Estimate)));
-            explanation.update = Sentence::default()
-                .text("the background B moves from ")
-                .ink(Role::Predicted, old)
-                .text(" to ")
-                .ink(Role::Estimate, new)
-                .text(format!(
-                    " toward the {} {}, by a step of at most {}.",
-                    kind(channels)[1],
-                    text(pixel),
-                    words::counted(self.step, "gray level")
-                ));
-        }
+    fn explain(&self, step: Step, probe: &Probe<Planes<u8>>) -> Explanation {
+        let mut explanation = probe.before.comparison(self, probe).explained(step.put(value::STEP, self.step));
+        explanation.update.extend(probe.after.map(|_| case::STEPS));
         explanation
-    }
-
-    fn rule(&self) -> String {
-        format!("|I − B| exceeds the threshold of {} gray levels{}", self.threshold, self.channels.any())
-    }
-
-    fn model_bytes(&self, model: &Planes<u8>) -> usize {
-        model.bytes()
     }
 }

@@ -5,17 +5,16 @@ mod model;
 
 use std::sync::Arc;
 
-use crate::base::{Threads, words};
+use crate::base::Threads;
 use crate::data::{Clip, Frame, Mask};
 use crate::geometry::Grid;
-use crate::methods::numbers::gray;
 use crate::methods::subtraction::{
-    Accepted, Background, Channel, Explanation, Found, Initial, Past, Settings, ShadowDetection, Steadiness, displaced,
-    subtraction_pseudocode,
+    Accepted, Background, Cases, Channel, Explanation, Found, Initial, Past, Probe, Settings, Setup, ShadowDetection,
+    Steadiness, displaced, subtraction_pseudocode,
 };
 use crate::params;
 use crate::run::{Info, Need};
-use crate::scene::{Chart, Layer, Quantity};
+use crate::scene::{Chart, Layer, Quantity, Step};
 
 pub use model::{Mixture, Mode};
 
@@ -33,7 +32,8 @@ params! {
         /// Complexity reduction c_T of Zivkovic: share of the data that a mode needs to persist. The weight of a mode with less decays to
         /// zero; 0 keeps all modes, as in Stauffer and Grimson.
         complexity_reduction: f32 = 0.05, 0.0..=0.5;
-        /// Initial standard deviation σ of a new mode in gray levels, over all channels together; in colour √3 times that of one channel.
+        /// Initial standard deviation σ of a new mode in gray levels, over all channels together; in colour √3 times that of one channel. A mode
+        /// grows to 2.25 times this at most.
         initial_sigma: f32 = 4.0, 0.5..=50.0;
         /// Minimum standard deviation σ of a mode in gray levels.
         min_sigma: f32 = 2.0, 0.5..=50.0;
@@ -65,12 +65,11 @@ const MAX_SIGMAS: f32 = 2.25;
 subtraction_pseudocode! {
     begin: "one mode per pixel: w ← 1, μ ← the initial background, σ ← initial-sigma",
     camera: "  shift the model by the median displacement of the camera, in whole px",
-    exposure: "  correct the exposure of the frame to that of the background",
     compare: "  matched mode ← the heaviest with |I − μ| ≤ threshold · σ",
     decide: "  foreground if none matches, or if Σ w of the heavier modes ≥ background-ratio",
     shadows: "  shadow if I ≈ a μ with shadow-threshold ≤ a ≤ 1 for a background mode",
     shake: "  suppress pixels that fit the background of a pixel within shake",
-    update: "  w ← w + α (o − w − c_T), o = 1 if matched, else 0; its μ, σ² move by α / w; no match: new mode",
+    update: "  w ← w + α (o − w − c_T), o = 1 if matched, else 0; its μ, σ² move by α / w, σ within min-sigma and 2.25 initial-sigma; no match: new mode",
 }
 
 impl Background for MixtureOfGaussians {
@@ -90,12 +89,8 @@ impl Background for MixtureOfGaussians {
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Matrices];
     type Model = Mixture;
 
-    fn settings(&self) -> Settings {
-        self.settings
-    }
-
-    fn steadiness(&self) -> Option<Steadiness> {
-        Some(self.steady)
+    fn setup(&self) -> Setup {
+        Setup { settings: self.settings, initial: Some(self.initial), steady: Some(self.steady) }
     }
 
     fn moved(&self, model: &Self::Model, by: [f32; 2], frame: &Arc<Frame>) -> Self::Model {
@@ -103,17 +98,13 @@ impl Background for MixtureOfGaussians {
     }
 
     fn displaced(&self, model: &Self::Model, frame: &Frame, mask: &Mask) -> Option<Mask> {
-        displaced(mask, self.steady, |place, of| model.fits(self, (frame, place), of))
+        displaced(mask, Some(self.steady), |place, of| model.fits(self, (frame, place), of))
     }
 
     fn need(&self, clip: &Clip) -> Need {
         let is_gray = clip.cached(0).is_some_and(|frame| frame.color().is_none());
         let bytes = Mixture::need(self.modes, if is_gray { 1 } else { 3 });
         Need::per_pixel(clip, [bytes; 2])
-    }
-
-    fn initial(&self) -> Initial {
-        self.initial
     }
 
     fn begin(&self, first: &Arc<Frame>) -> Mixture {
@@ -129,9 +120,8 @@ impl Background for MixtureOfGaussians {
     }
 
     fn accepted(&self, model: &Self::Model, place: (usize, usize), _: Channel) -> Vec<Accepted> {
-        let modes = model.modes(place);
-        let background = self.background_modes(&modes);
-        modes[..background].iter().map(|mode| mode.accepted(self.threshold)).collect()
+        let background = model.background_modes(self, place);
+        model.modes(place)[..background].iter().map(|mode| mode.accepted(self.threshold)).collect()
     }
 
     fn layers(&self, model: &Arc<Mixture>, _past: &Past) -> Vec<Layer> {
@@ -153,16 +143,12 @@ impl Background for MixtureOfGaussians {
         model.distance(frame, place, self.background_ratio)
     }
 
-    fn explain(&self, models: [Option<&Mixture>; 2], frame: &Frame, place: (usize, usize)) -> Explanation {
-        self.explanation(models, frame, place)
+    fn explain(&self, step: Step, probe: &Probe<Mixture>) -> Explanation {
+        self.explanation(step, probe)
     }
 
-    fn rule(&self) -> String {
-        format!(
-            "no background mode lies within {} σ. The heaviest modes, together {} of the weight, are the background",
-            gray(self.threshold),
-            words::percent(self.background_ratio)
-        )
+    fn rule(&self, step: Step) -> (Step, Cases) {
+        self.put_rule(step)
     }
 
     fn at_rest(&self, model: &Arc<Mixture>) -> Arc<Mixture> {

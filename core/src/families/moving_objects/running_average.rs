@@ -1,18 +1,13 @@
 //! Running average: the background is an exponentially weighted mean.
 
-use std::sync::Arc;
-
-use crate::base::{Threads, wide::wide};
-use crate::data::{Clip, Frame, Mask};
-use crate::methods::numbers::{gray, level, ratio};
+use crate::base::wide::wide;
 use crate::methods::subtraction::{
-    Accepted, Background, Channel, Channels, Channelwise, Comparison, Explanation, Found, Initial, Planes, Row,
-    SHADOW_SHARE, Settings, ShadowDetection, Steadiness, classify, displaced, kind, levels, subtraction_pseudocode,
-    tuple,
+    self, ChannelModel, Channels, Channelwise, Common, Explanation, Initial, Planes, Probe, Row, Settings, Setup,
+    ShadowDetection, Steadiness, classify, subtraction_pseudocode,
 };
-use crate::params;
-use crate::run::{Info, Need};
-use crate::scene::{Fact, Role, Sentence};
+use crate::run::Info;
+use crate::scene::Step;
+use crate::{cases, params};
 
 params! {
     /// Running average of each pixel.
@@ -63,10 +58,14 @@ impl Channelwise for RunningAverage {
 
 wide!(fn decide(of: &RunningAverage, row: Row<'_>, model: &mut [f32], words: &mut [u64]) = classify);
 
+cases! { over subtraction::value;
+    LEARNS: "; the learning rate is α = {learning_rate}.",
+    FROZEN: "foreground, and the update is selective, so B stays {background}.",
+}
+
 subtraction_pseudocode! {
     begin: "B ← the initial background",
     camera: "  shift the model by the median displacement of the camera, in whole px",
-    exposure: "  correct the exposure of the frame to that of the background",
     compare: "  d ← |I − B|; in colour the maximum over the channels",
     decide: "  foreground if d > threshold",
     shadows: "  shadow if I ≈ a B with shadow-threshold ≤ a ≤ 1",
@@ -74,7 +73,7 @@ subtraction_pseudocode! {
     update: "  B ← (1 − α) B + α I with learning-rate α; if selective, at background pixels only",
 }
 
-impl Background for RunningAverage {
+impl ChannelModel for RunningAverage {
     const INFO: Info = Info {
         id: "running-average",
         name: "Running average",
@@ -87,105 +86,32 @@ impl Background for RunningAverage {
         granularities: &["clip", "frame", "stage"],
         frames: 2,
     };
-    const SHOWN: &'static str = "|I − B|, in colour the maximum over the channels";
-    type Model = Planes<f32>;
 
-    fn settings(&self) -> Settings {
-        self.settings
+    fn common(&self) -> Common {
+        let setup = Setup { settings: self.settings, initial: Some(self.initial), steady: Some(self.steady) };
+        Common { channels: self.channels, shadow: self.shadow, setup }
     }
 
-    fn steadiness(&self) -> Option<Steadiness> {
-        Some(self.steady)
+    fn threshold(&self) -> f32 {
+        self.threshold
     }
 
-    fn moved(&self, model: &Self::Model, by: [f32; 2], frame: &Arc<Frame>) -> Self::Model {
-        model.shifted(by, &self.begin(frame))
+    fn begun(&self, level: u8) -> f32 {
+        level.into()
     }
 
-    fn displaced(&self, model: &Self::Model, frame: &Frame, mask: &Mask) -> Option<Mask> {
-        displaced(mask, self.steady, |place, of| model.fits(self, (frame, place), of))
+    fn decide(&self, row: Row<'_>, cells: &mut [f32], words: &mut [u64]) {
+        decide(self, row, cells, words);
     }
 
-    fn need(&self, clip: &Clip) -> Need {
-        Need::per_pixel(clip, [2.0 + 8.0 * self.channels.most(clip) as f64; 2])
-    }
-
-    fn initial(&self) -> Initial {
-        self.initial
-    }
-
-    fn begin(&self, first: &Arc<Frame>) -> Planes<f32> {
-        Planes::begin(first, self.channels, f32::from)
-    }
-
-    fn subtract(&self, model: &mut Planes<f32>, frame: &Arc<Frame>, threads: &Threads) -> Found {
-        // Shadows are those on the background before the update.
-        let before = (self.shadow.detect_shadows && model.channels == 3).then(|| model.clone());
-        let mask = model.by_rows(frame, threads, |row, cells, words| decide(self, row, cells, words));
-        let limit = |_| (SHADOW_SHARE * self.threshold).powi(2);
-        let darkest = self.shadow.shadow_threshold;
-        let shadows = before.map(|model| model.shadows((frame, &mask), darkest, |mean| mean, limit));
-        Found { mask, shadows }
-    }
-
-    fn expected(&self, model: &Planes<f32>, place: (usize, usize)) -> f32 {
-        model.expected(place, Channel::Gray, |mean| mean)
-    }
-
-    fn expected_color(&self, model: &Planes<f32>, place: (usize, usize)) -> Option<[u8; 3]> {
-        model.color(place, |mean| mean)
-    }
-
-    fn channel(&self, model: &Planes<f32>, frame: &Frame, place: (usize, usize)) -> Channel {
-        model.deciding(self, frame, place).0
-    }
-
-    fn compared_in(&self, model: &Planes<f32>, _: &Frame, place: (usize, usize), channel: Channel) -> f32 {
-        model.expected(place, channel, |mean| mean)
-    }
-
-    fn accepted(&self, model: &Planes<f32>, place: (usize, usize), channel: Channel) -> Vec<Accepted> {
-        vec![Accepted::around(model.expected(place, channel, |mean| mean), self.threshold)]
-    }
-
-    fn difference(&self, model: &Planes<f32>, frame: &Frame, place: (usize, usize)) -> f32 {
-        model.deciding(self, frame, place).1
-    }
-
-    fn explain(&self, [before, after]: [Option<&Planes<f32>>; 2], frame: &Frame, place: (usize, usize)) -> Explanation {
-        let Some(before) = before else { return Explanation::default() };
-        let (channels, pixel) = (before.channels, levels(frame, place, before.channels));
-        let pixel = &pixel[..channels];
-        let comparison =
-            Comparison { pixel, background: &before.at(place)[..channels], is_whole: false, threshold: self.threshold };
-        let mut explanation = comparison.explained();
-        if let Some(after) = after {
-            let [old, new] = [before, after].map(|model| tuple(&model.at(place)[..channels], gray));
-            let is_frozen = self.selective && before.deciding(self, frame, place).1 > self.threshold;
-            explanation.facts.push(Fact::new("Background after update", new.clone(), Some(Role::Estimate)));
-            explanation.update = match is_frozen {
-                true => Sentence::default().text(format!("foreground, and the update is selective, so B stays {old}.")),
-                false => Sentence::default()
-                    .text("the background B moves from ")
-                    .ink(Role::Predicted, old)
-                    .text(" to ")
-                    .ink(Role::Estimate, new)
-                    .text(format!(
-                        " toward the {} {}; the learning rate is α = {}.",
-                        kind(channels)[1],
-                        tuple(pixel, |of| level(of.into())),
-                        ratio(self.learning_rate.into())
-                    )),
-            };
+    fn explain(&self, step: Step, probe: &Probe<Planes<f32>>) -> Explanation {
+        let comparison = probe.before.comparison(self, probe);
+        let mut explanation = comparison.explained(step.put(subtraction::value::LEARNING_RATE, self.learning_rate));
+        match comparison.is_foreground && self.selective {
+            _ if probe.after.is_none() => {}
+            true => explanation.update = vec![case::FROZEN],
+            false => explanation.update.push(case::LEARNS),
         }
         explanation
-    }
-
-    fn rule(&self) -> String {
-        format!("|I − B| exceeds the threshold of {} gray levels{}", gray(self.threshold), self.channels.any())
-    }
-
-    fn model_bytes(&self, model: &Planes<f32>) -> usize {
-        model.bytes()
     }
 }

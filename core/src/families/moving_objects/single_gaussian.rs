@@ -2,18 +2,16 @@
 
 use std::sync::Arc;
 
-use crate::base::{Threads, wide::wide};
-use crate::data::{Clip, Frame, Mask};
+use crate::base::wide::wide;
 use crate::geometry::Grid;
-use crate::methods::numbers::{fixed, gray, level, ratio};
 use crate::methods::subtraction::{
-    Accepted, Background, Channel, Channels, Channelwise, Explanation, Found, Initial, Past, Planes, Row, Settings,
-    ShadowDetection, Steadiness, classify, displaced, in_channel, kind, levels, most, of_channel,
+    self, Accepted, Channel, ChannelModel, Channels, Channelwise, Common, Explanation, IN_CHANNEL, Initial, Past,
+    Planes, Probe, Row, Settings, Setup, ShadowDetection, Steadiness, class, classify, levels, put_pixel,
     subtraction_pseudocode, tuple,
 };
-use crate::params;
-use crate::run::{Info, Need};
-use crate::scene::{Fact, Layer, Math, Quantity, Role, Sentence};
+use crate::run::Info;
+use crate::scene::{Case, Layer, Quantity, Role, Step, Unit, Variable};
+use crate::{cases, params, variables};
 
 params! {
     /// One normal distribution for each pixel, in colour for each of its channels.
@@ -61,6 +59,12 @@ pub struct Gaussian {
     pub variance: f32,
 }
 
+impl From<Gaussian> for f32 {
+    fn from(of: Gaussian) -> f32 {
+        of.mean
+    }
+}
+
 impl Channelwise for SingleGaussian {
     type Cell = Gaussian;
 
@@ -86,18 +90,47 @@ impl Channelwise for SingleGaussian {
 
 wide!(fn decide(of: &SingleGaussian, row: Row<'_>, model: &mut [Gaussian], words: &mut [u64]) = classify);
 
+/// The unit of a distance in standard deviations.
+const SIGMAS: Unit = Unit::new("σ", 2);
+
+variables! {
+    /// The mean μ of the pixel, in colour of each channel.
+    MEAN: "Mean μ", r"\mu", Unit::FINE, Role::Predicted;
+    /// The standard deviation σ of the pixel, in colour of each channel.
+    SIGMA: "Standard deviation σ", r"\sigma", Unit::FINE, Role::Predicted;
+    /// The distance of the pixel from its mean, in colour the largest of all channels.
+    DISTANCE: "Distance", r"|I - \mu| / \sigma", SIGMAS;
+    /// The mean μ after the update.
+    NEW_MEAN: "Mean after update", r"\mu", Unit::FINE, Role::Estimate;
+    /// The standard deviation σ after the update.
+    NEW_SIGMA: "Standard deviation after update", r"\sigma", Unit::FINE, Role::Estimate;
+    /// The standard deviation in the channel that decides.
+    DECIDING_SIGMA: "", r"\sigma", Unit::FINE, Role::Predicted;
+}
+
+cases! { over value, subtraction::value;
+    RULE: "|I − μ| / σ exceeds the threshold of {threshold}",
+    BACKGROUND: ", background {predicted|μ =} {mean}, {predicted|σ =} {sigma}.",
+    DISTANCE: "The distance {distance}",
+    LARGEST_DISTANCE: "The largest distance {distance} in {channel}",
+    EXCEEDS: "exceeds the threshold {threshold}: foreground.",
+    WITHIN: "is within the threshold {threshold}: background.",
+    FROZEN: "foreground, and the update is selective, so μ {mean} and σ {sigma} stay.",
+    LEARNS: "the update with learning rate α = {learning_rate} moves {estimate|μ} from {mean} to {new_mean}, {estimate|σ} from \
+             {sigma} to {new_sigma}.",
+}
+
 subtraction_pseudocode! {
     begin: "μ ← the initial background, σ ← initial-sigma",
     camera: "  shift the model by the median displacement of the camera, in whole px",
-    exposure: "  correct the exposure of the frame to that of the background",
     compare: "  d ← |I − μ| / σ; in colour the maximum over the channels",
     decide: "  foreground if d > threshold",
     shadows: "  shadow if I ≈ a μ with shadow-threshold ≤ a ≤ 1",
     shake: "  suppress pixels that fit the background of a pixel within shake",
-    update: "  μ ← μ + α (I − μ), σ² ← σ² + α ((I − μ)² − σ²); if selective, at background pixels only",
+    update: "  μ ← μ + α (I − μ), σ² ← σ² + α ((I − μ)² − σ²), σ ≥ min-sigma; if selective, at background pixels only",
 }
 
-impl Background for SingleGaussian {
+impl ChannelModel for SingleGaussian {
     const INFO: Info = Info {
         id: "single-gaussian",
         name: "Single Gaussian",
@@ -110,70 +143,34 @@ impl Background for SingleGaussian {
         frames: 2,
     };
     const SHOWN: &'static str = "|I − μ| / σ, in colour the maximum over the channels";
-    type Model = Planes<Gaussian>;
+    const RULE: &'static Case = case::RULE;
+    const UNIT: Unit = SIGMAS;
 
-    fn settings(&self) -> Settings {
-        self.settings
+    fn common(&self) -> Common {
+        let setup = Setup { settings: self.settings, initial: Some(self.initial), steady: Some(self.steady) };
+        Common { channels: self.channels, shadow: self.shadow, setup }
     }
 
-    fn steadiness(&self) -> Option<Steadiness> {
-        Some(self.steady)
+    fn threshold(&self) -> f32 {
+        self.threshold
     }
 
-    fn moved(&self, model: &Self::Model, by: [f32; 2], frame: &Arc<Frame>) -> Self::Model {
-        model.shifted(by, &self.begin(frame))
+    fn begun(&self, level: u8) -> Gaussian {
+        Gaussian { mean: level.into(), variance: self.initial_sigma.max(self.min_sigma).powi(2) }
     }
 
-    fn displaced(&self, model: &Self::Model, frame: &Frame, mask: &Mask) -> Option<Mask> {
-        displaced(mask, self.steady, |place, of| model.fits(self, (frame, place), of))
+    fn shadow_limit(&self, of: [Gaussian; 3]) -> f32 {
+        let variance = of.iter().map(|of| of.variance).sum::<f32>() / 3.0;
+        self.threshold * self.threshold * variance
     }
 
-    fn need(&self, clip: &Clip) -> Need {
-        Need::per_pixel(clip, [1.0 + 16.0 * self.channels.most(clip) as f64; 2])
-    }
-
-    fn initial(&self) -> Initial {
-        self.initial
-    }
-
-    fn begin(&self, first: &Arc<Frame>) -> Planes<Gaussian> {
-        let sigma = self.initial_sigma.max(self.min_sigma);
-        Planes::begin(first, self.channels, |level| Gaussian { mean: level.into(), variance: sigma * sigma })
-    }
-
-    fn subtract(&self, model: &mut Planes<Gaussian>, frame: &Arc<Frame>, threads: &Threads) -> Found {
-        // Shadows are those on the background before the update.
-        let before = (self.shadow.detect_shadows && model.channels == 3).then(|| model.clone());
-        let mask = model.by_rows(frame, threads, |row, cells, words| decide(self, row, cells, words));
-        let limit = |of: [Gaussian; 3]| {
-            let variance = of.iter().map(|of| of.variance).sum::<f32>() / 3.0;
-            self.threshold * self.threshold * variance
-        };
-        let darkest = self.shadow.shadow_threshold;
-        let shadows = before.map(|model| model.shadows((frame, &mask), darkest, |of| of.mean, limit));
-        Found { mask, shadows }
-    }
-
-    fn expected(&self, model: &Planes<Gaussian>, place: (usize, usize)) -> f32 {
-        model.expected(place, Channel::Gray, |of| of.mean)
-    }
-
-    fn expected_color(&self, model: &Planes<Gaussian>, place: (usize, usize)) -> Option<[u8; 3]> {
-        model.color(place, |of| of.mean)
-    }
-
-    fn channel(&self, model: &Planes<Gaussian>, frame: &Frame, place: (usize, usize)) -> Channel {
-        model.deciding(self, frame, place).0
-    }
-
-    fn compared_in(&self, model: &Planes<Gaussian>, _: &Frame, place: (usize, usize), channel: Channel) -> f32 {
-        model.expected(place, channel, |of| of.mean)
-    }
-
-    fn accepted(&self, model: &Planes<Gaussian>, place: (usize, usize), channel: Channel) -> Vec<Accepted> {
-        let Gaussian { mean, variance } = model.at(place)[channel.index()];
+    fn accepts(&self, Gaussian { mean, variance }: Gaussian) -> Accepted {
         let sigma = variance.sqrt();
-        vec![Accepted { sigma: Some(sigma), ..Accepted::around(mean, self.threshold * sigma) }]
+        Accepted { sigma: Some(sigma), ..Accepted::around(mean, self.threshold * sigma) }
+    }
+
+    fn decide(&self, row: Row<'_>, cells: &mut [Gaussian], words: &mut [u64]) {
+        decide(self, row, cells, words);
     }
 
     fn layers(&self, model: &Arc<Planes<Gaussian>>, _past: &Past) -> Vec<Layer> {
@@ -186,98 +183,40 @@ impl Background for SingleGaussian {
         })]
     }
 
-    fn difference(&self, model: &Planes<Gaussian>, frame: &Frame, place: (usize, usize)) -> f32 {
-        model.deciding(self, frame, place).1
-    }
-
-    fn explain(
-        &self,
-        [before, after]: [Option<&Planes<Gaussian>>; 2],
-        frame: &Frame,
-        place: (usize, usize),
-    ) -> Explanation {
-        let Some(before) = before else { return Explanation::default() };
-        let (channels, pixel) = (before.channels, levels(frame, place, before.channels));
+    fn explain(&self, step: Step, probe: &Probe<Planes<Gaussian>>) -> Explanation {
+        let &Probe { before, after, frame, place } = probe;
+        let pixel = levels(frame, place, before.channels);
         let (channel, distance) = before.deciding(self, frame, place);
         let (at, is_foreground) = (channel.index(), !before.fits(self, (frame, place), place));
-        let role = if is_foreground { Role::Result } else { Role::Rejected };
-        let [mu, sigma] = texts(before, place);
-        let [distance, limit] = [fixed(distance.into(), 2), gray(self.threshold)];
-        let shown = tuple(&pixel[..channels], |of| level(of.into()));
-        let ([name, lower], found) = (kind(channels), in_channel(&format!("{distance} σ"), channel));
-        let label = if channels == 1 { "Distance" } else { "Largest distance" };
-        let mut facts = vec![
-            Fact::new(name, shown.clone(), Some(Role::Measured)),
-            Fact::new("Mean μ", mu.clone(), Some(Role::Predicted)),
-            Fact::new("Standard deviation σ", sigma.clone(), Some(Role::Predicted)),
-            Fact::new(label, found.clone(), Some(role)),
-            Fact::new("Threshold", format!("{limit} σ"), None),
-        ];
-        let mut update = Sentence::default();
-        if let Some(after) = after {
-            let [new_mu, new_sigma] = texts(after, place);
-            facts.push(Fact::new("After update", format!("μ {new_mu}, σ {new_sigma}"), Some(Role::Estimate)));
-            update = match self.selective && is_foreground {
-                true => update.text(format!("foreground, and the update is selective, so μ {mu} and σ {sigma} stay.")),
-                false => update
-                    .text(format!("the update with learning rate α = {} moves ", ratio(self.learning_rate.into())))
-                    .ink(Role::Estimate, format!("μ from {mu} to {new_mu}, σ from {sigma} to {new_sigma}"))
-                    .text("."),
-            };
-        }
-        let size = |inner: Vec<Math>| Math::Abs(Box::new(Math::Row(inner)));
-        let [of_pixel, of_mean, of_sigma] = ["I", "μ", "σ"].map(|symbol| of_channel(symbol, channels));
-        let symbols = Math::Frac(Box::new(size(vec![of_pixel, Math::text(" − "), of_mean])), Box::new(of_sigma));
-        let Gaussian { mean, variance } = before.at(place)[at];
-        let numbers = Math::Frac(
-            Box::new(size(vec![
-                Math::ink(Role::Measured, level(pixel[at].into())),
-                Math::text(" − "),
-                Math::ink(Role::Predicted, gray(mean)),
-            ])),
-            Box::new(Math::ink(Role::Predicted, gray(variance.sqrt()))),
-        );
-        let verdict = if is_foreground { " > " } else { " ≤ " };
-        let within = channel.name().map_or_else(String::new, |name| format!(" in {name}"));
-        Explanation {
-            facts,
-            equation: vec![
-                Math::Row(vec![most(symbols, channels), Math::text(" > "), Math::Var("T")]),
-                Math::Row(vec![
-                    numbers,
-                    Math::text(" = "),
-                    Math::ink(role, distance),
-                    Math::text(format!("{verdict}{limit}{within}")),
-                ]),
-            ],
-            matrices: Vec::new(),
-            verdict: Sentence::default()
-                .text(format!(": {lower} "))
-                .ink(Role::Measured, shown)
-                .text(", background ")
-                .ink(Role::Predicted, format!("μ = {mu}, σ = {sigma}"))
-                .text(format!(". The {} ", label.to_lowercase()))
-                .ink(role, found)
-                .text(match is_foreground {
-                    true => format!(" exceeds the threshold {limit} σ: foreground."),
-                    false => format!(" is within the threshold {limit} σ: background."),
-                }),
-            update,
-        }
-    }
-
-    fn rule(&self) -> String {
-        format!("|I − μ| / σ exceeds the threshold of {} σ{}", gray(self.threshold), self.channels.any())
-    }
-
-    fn model_bytes(&self, model: &Planes<Gaussian>) -> usize {
-        model.bytes()
+        let (role, sign) = class(is_foreground);
+        let (step, level) = put_pixel(step, &pixel[..before.channels]);
+        let step = moments(step, before, place, [value::MEAN, value::SIGMA])
+            .fact_of(value::DISTANCE.is(distance).inked(role))
+            .fact_if(subtraction::value::CHANNEL, channel.name())
+            .fact_of(subtraction::value::THRESHOLD.is(self.threshold).in_unit(SIGMAS))
+            .put(subtraction::value::LEVEL, pixel[at])
+            .put(subtraction::value::EXPECTED, before.at(place)[at].mean)
+            .put(value::DECIDING_SIGMA, before.at(place)[at].variance.sqrt());
+        let (symbols, within, off) = match channel {
+            Channel::Gray => (r"\frac{|I - \mu|}{\sigma} > T", "", case::DISTANCE),
+            Channel::Color(_) => (r"\max_c \frac{|I_c - \mu_c|}{\sigma_c} > T", IN_CHANNEL, case::LARGEST_DISTANCE),
+        };
+        let step = step.formula(symbols).formula(format!(
+            r"\frac{{|{{level}} - {{expected}}|}}{{{{deciding_sigma}}}} = {{distance}} {sign} {{threshold}}{within}"
+        ));
+        let verdict = vec![level, case::BACKGROUND, off, if is_foreground { case::EXCEEDS } else { case::WITHIN }];
+        let Some(after) = after else { return Explanation { step, verdict, update: Vec::new() } };
+        let step = moments(step, after, place, [value::NEW_MEAN, value::NEW_SIGMA]);
+        let step = step.put(subtraction::value::LEARNING_RATE, self.learning_rate);
+        let update = vec![if self.selective && is_foreground { case::FROZEN } else { case::LEARNS }];
+        Explanation { step, verdict, update }
     }
 }
 
-/// Mean and standard deviation of a pixel as text.
-fn texts(model: &Planes<Gaussian>, place: (usize, usize)) -> [String; 2] {
-    let all = model.at(place);
-    let channels = &all[..model.channels];
-    [tuple(channels, |of| gray(of.mean)), tuple(channels, |of| gray(of.variance.sqrt()))]
+/// Puts mean and standard deviation of a pixel.
+fn moments(step: Step, model: &Planes<Gaussian>, place: (usize, usize), [mean, sigma]: [&'static Variable; 2]) -> Step {
+    let all = &model.at(place)[..model.channels];
+    let [means, sigmas] =
+        [|of: &Gaussian| of.mean, |of: &Gaussian| of.variance.sqrt()].map(|of| all.iter().map(of).collect::<Vec<_>>());
+    step.fact(mean, tuple(&means)).fact(sigma, tuple(&sigmas))
 }

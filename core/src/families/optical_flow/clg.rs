@@ -9,8 +9,8 @@ use crate::methods::{
     variational::{Explanation, Local, Model, MotionTensor, Probe, Settings, Solver, Warp},
 };
 use crate::run::{Guarantee, Info};
-use crate::scene::{Case, Constraint, Fact, Math, Name, Question, Role, Sentence};
-use crate::{params, pseudocode};
+use crate::scene::{Constraint, Fact, Math, Name, Question, Reply, Role, Sentence};
+use crate::{cases, params, pseudocode};
 
 params! {
     /// The combined local-global method (CLG), which minimises the energy ∫∫ (w, 1) · T (w, 1) + α² (|∇u|² + |∇v|²), w = (u, v).
@@ -45,6 +45,12 @@ pub struct System {
     tensor: OnceLock<MotionTensor>,
 }
 
+cases! {
+    ADVISE_TEXTURE: "A larger α and more iterations carry flow in from textured neighbours.",
+    ADVISE_BOUNDARY: "Window and smoothness term blur the boundary; smaller ρ and α or TV-L1 keep it sharper.",
+    ADVISE_MOTION: "More pyramid levels and warps would reach this motion.",
+}
+
 pseudocode! {
     ENERGY: "E(u, v) = ∫∫ (w, 1) · T (w, 1) + α² (|∇u|² + |∇v|²), where w = (u, v)",
     EACH_LEVEL: "(u, v) ← 0; for each pyramid level, from the coarsest to full resolution",
@@ -74,8 +80,8 @@ impl Model for Clg {
         "term",
         "Which term dominates the update of the pixel?",
         &[
-            Case::says(line::SOLVE, "the data term dominates", "The data term"),
-            Case::says(line::SOLVE, "the smoothness term dominates", "The smoothness term"),
+            Reply::says(line::SOLVE, "the data term dominates", "The data term"),
+            Reply::says(line::SOLVE, "the smoothness term dominates", "The smoothness term"),
         ],
     )
     .once_per_reference()];
@@ -84,11 +90,8 @@ impl Model for Clg {
     const OPENING: &'static str = "The data term averages the squared gradient constraints over a Gaussian window of standard \
                                    deviation ρ; the smoothness term is the sum of the squared gradients of u and v, weighted by \
                                    α². The window suppresses noise; the smoothness term fills areas without texture.";
-    const ADVICE: Advice = Advice {
-        texture: "A larger α and more iterations carry flow in from textured neighbours.",
-        boundary: "Window and smoothness term blur the boundary; smaller ρ and α or TV-L1 keep it sharper.",
-        motion: "More pyramid levels and warps would reach this motion.",
-    };
+    const ADVICE: Advice =
+        Advice { texture: case::ADVISE_TEXTURE, boundary: case::ADVISE_BOUNDARY, motion: case::ADVISE_MOTION };
     const SYSTEM_PARTS: usize = 5;
     const NEED: [f64; 2] = [112.0, 220.0];
     type System = System;
@@ -149,7 +152,7 @@ impl Model for Clg {
             equation,
             points,
             lines: self.lines(probe),
-            energy: None,
+            energy: Some(Box::new(energy(tensor, self.alpha * self.alpha, mean))),
         }
     }
 }
@@ -219,6 +222,14 @@ fn solution([xx, xy, yy, xt, yt, _]: [f32; 6], weight: f32, mean: [f32; 2]) -> [
     let (a, d, e, f) = (xx + weight, yy + weight, weight * mean[0] - xt, weight * mean[1] - yt);
     let det = a * d - xy * xy;
     [(e * d - xy * f) / det, (a * f - xy * e) / det]
+}
+
+/// The energy of a pixel's flow while its neighbours stay, up to a constant: its minimum is the [`solution`].
+fn energy([xx, xy, yy, xt, yt, tt]: [f32; 6], weight: f32, mean: [f32; 2]) -> impl Fn([f32; 2]) -> f32 {
+    move |[u, v]| {
+        let data = xx * u * u + 2.0 * xy * u * v + yy * v * v + 2.0 * (xt * u + yt * v) + tt;
+        data + weight * ((u - mean[0]).powi(2) + (v - mean[1]).powi(2))
+    }
 }
 
 /// T_xx, T_xy, T_yy, T_xt and T_yt for the increment to `start`; those of a [`MotionTensor`] are for the whole flow.
@@ -294,4 +305,19 @@ fn numbers([a, b]: [f32; 2], weight: f32, mean: f32, t: f32) -> Math {
         Math::ink(Role::Predicted, numbers::factor(numbers::px(mean))),
         Math::text(format!(" {}", numbers::summand(numbers::gray(-t)))),
     ])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_solution_is_the_minimum_of_the_energy() {
+        let (tensor, weight, mean) = ([150.0, -40.0, 30.0, 210.0, -75.0, 400.0], 49.0, [0.8, -0.4]);
+        let (energy, to) = (energy(tensor, weight, mean), solution(tensor, weight, mean));
+        for [du, dv] in [[0.05, 0.0], [-0.05, 0.0], [0.0, 0.05], [0.0, -0.05], [0.04, 0.04], [-0.04, 0.04]] {
+            assert!(energy(to) < energy([to[0] + du, to[1] + dv]), "({du}, {dv})");
+        }
+        assert!(energy(to) < energy(mean));
+    }
 }

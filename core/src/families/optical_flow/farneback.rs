@@ -11,8 +11,8 @@ use crate::methods::{
 };
 use crate::products::{Confidence, DenseField, Output, Product, ProductKind};
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Case, Chart, Fact, Focus, Question, Reading, Readout, Role, Scene, Sentence, Series, Step};
-use crate::{params, pseudocode};
+use crate::scene::{Chart, Fact, Focus, Question, Reading, Readout, Reply, Role, Scene, Sentence, Series, Step};
+use crate::{cases, params, pseudocode};
 
 params! {
     /// Farnebäck's method: a quadratic polynomial approximates the neighbourhood of each pixel. A shift of the image by d
@@ -38,11 +38,8 @@ params! {
 }
 
 /// What would help where Farnebäck's method fails.
-const ADVICE: Advice = Advice {
-    texture: "A larger window may contain other gradients; the smoothness term of Horn–Schunck fills such areas.",
-    boundary: "The window mixes the motions of both sides; a smaller window or TV-L1 mixes them less.",
-    motion: "More pyramid levels would reach this motion.",
-};
+const ADVICE: Advice =
+    Advice { texture: case::ADVISE_TEXTURE, boundary: case::ADVISE_BOUNDARY, motion: case::ADVISE_MOTION };
 
 /// The state of a run.
 #[derive(Clone)]
@@ -145,6 +142,12 @@ impl Farneback {
     }
 }
 
+cases! {
+    ADVISE_TEXTURE: "A larger window may contain other gradients; the smoothness term of Horn–Schunck fills such areas.",
+    ADVISE_BOUNDARY: "The window mixes the motions of both sides; a smaller window or TV-L1 mixes them less.",
+    ADVISE_MOTION: "More pyramid levels would reach this motion.",
+}
+
 pseudocode! {
     START_AT_ZERO: "(u, v) ← 0 on the coarsest level",
     EACH_LEVEL: "for each pyramid level, from the coarsest to full resolution",
@@ -178,8 +181,8 @@ impl Estimator for Farneback {
             "second",
             "Is there a second polynomial to compare with?",
             &[
-                Case::says(line::PAIR, "there is no second polynomial", "No: the displacement leads out of frame t+1"),
-                Case::at(line::PAIR, "Yes"),
+                Reply::says(line::PAIR, "there is no second polynomial", "No: the displacement leads out of frame t+1"),
+                Reply::at(line::PAIR, "Yes"),
             ],
         ),
         Question::number(
@@ -240,6 +243,7 @@ impl Estimator for Farneback {
             let sentence = "Polynomial expansion approximates each neighbourhood by x · A x + b · x + c. If the image shifts by d, \
                             the linear term becomes b − 2 A d, so the change of b determines d where A is invertible.";
             return Step {
+                values: Vec::new(),
                 line: line::START_AT_ZERO,
                 sentence: Sentence::default().text(sentence),
                 readouts: Vec::new(),
@@ -252,7 +256,12 @@ impl Estimator for Farneback {
             Part::Averaged => line::AVERAGE,
             Part::Solved => line::SOLVE,
         };
-        Step { line, sentence: self.concluded(seen, probe.sentence()), readouts: self.readouts(seen, &probe) }
+        Step {
+            values: Vec::new(),
+            line,
+            sentence: self.concluded(seen, probe.sentence()),
+            readouts: self.readouts(seen, &probe),
+        }
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
@@ -334,7 +343,7 @@ impl Farneback {
         let [across, down] = after.frames.scale(after.frames.count() - 1);
         let flow = after.frames.flow(&after.field);
         let conclusion = Conclusion::new(&after.frames.frame_pair, &flow, across.max(down));
-        sentence.text(conclusion.sentence(&ADVICE))
+        sentence.text(" ").then(conclusion.tell(Step::at(line::SOLVE), &ADVICE).sentence)
     }
 
     fn readouts(&self, seen: &Seen<Self>, probe: &Probe) -> Vec<Readout> {

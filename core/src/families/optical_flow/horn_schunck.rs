@@ -1,13 +1,14 @@
 //! Horn and Schunck's method: gradient constraints with a global smoothness term.
 
 use crate::base::Threads;
+use crate::base::words::{further_digits, rounded};
 use crate::methods::{
     differential::{Advice, FLAT, Field, Linear, explain, numbers, relax},
     variational::{Explanation, Model, Probe, Settings, Solver, Warp},
 };
 use crate::run::{Guarantee, Info};
-use crate::scene::{Case, Math, Name, Question, Reading, Role, Sentence};
-use crate::{params, pseudocode};
+use crate::scene::{Math, Name, Question, Reading, Reply, Role, Sentence};
+use crate::{cases, params, pseudocode};
 
 params! {
     /// Horn and Schunck's method, which minimises the energy ∫∫ (I_x u + I_y v + I_t)² + α² (|∇u|² + |∇v|²).
@@ -34,6 +35,12 @@ params! {
 const AVERAGED: usize = 0;
 /// The step of SOR that extrapolates the update.
 const EXTRAPOLATED: usize = 2;
+
+cases! {
+    ADVISE_TEXTURE: "A larger α and more iterations carry flow in from textured neighbours.",
+    ADVISE_BOUNDARY: "The quadratic smoothness term blurs the boundary; a smaller α or TV-L1 keeps it sharper.",
+    ADVISE_MOTION: "More pyramid levels and warps would reach this motion.",
+}
 
 pseudocode! {
     ENERGY: "E(u, v) = ∫∫ (I_x u + I_y v + I_t)² + α² (|∇u|² + |∇v|²)",
@@ -75,9 +82,9 @@ impl Model for HornSchunck {
             "term",
             "Which term dominates the update of the pixel?",
             &[
-                Case::over(SHARE, 50.0, "The data term"),
-                Case::says(line::UPDATE, "the update covers", "The smoothness term"),
-                Case::says(line::UPDATE, "Only the smoothness term counts", "The smoothness term"),
+                Reply::over(SHARE, 50.0, "The data term"),
+                Reply::says(line::UPDATE, "the update covers", "The smoothness term"),
+                Reply::says(line::UPDATE, "Only the smoothness term counts", "The smoothness term"),
             ],
         )
         .once_per_reference(),
@@ -87,11 +94,8 @@ impl Model for HornSchunck {
     const OPENING: &'static str = "The data term is the squared violation of the gradient constraint; the smoothness term is the \
                                    sum of the squared gradients of u and v, weighted by α². Without image gradient the \
                                    smoothness term alone determines the flow.";
-    const ADVICE: Advice = Advice {
-        texture: "A larger α and more iterations carry flow in from textured neighbours.",
-        boundary: "The quadratic smoothness term blurs the boundary; a smaller α or TV-L1 keeps it sharper.",
-        motion: "More pyramid levels and warps would reach this motion.",
-    };
+    const ADVICE: Advice =
+        Advice { texture: case::ADVISE_TEXTURE, boundary: case::ADVISE_BOUNDARY, motion: case::ADVISE_MOTION };
     const SYSTEM_PARTS: usize = 3;
     const NEED: [f64; 2] = [76.0, 150.0];
     type System = relax::System;
@@ -238,15 +242,21 @@ impl Update {
     }
 
     fn numbers(&self, gradient: f32, mean: f32, to: f32) -> Math {
-        let share =
-            Math::Frac(Box::new(Math::text(numbers::gray(self.off))), Box::new(Math::text(numbers::gray(self.weight))));
+        let (length, level) = (numbers::PX_DECIMALS, 2);
+        let further = further_digits(|further| {
+            let [gradient, off, weight] =
+                [gradient, self.off, self.weight].map(|of| rounded(of.into(), level + further));
+            let found = rounded(mean.into(), length + further) - gradient * off / weight;
+            numbers::px(found as f32) == numbers::px(to)
+        });
+        let level = |of: f32| numbers::fixed(of, level + further);
         Math::Row(vec![
             Math::text("= "),
-            Math::ink(Role::Predicted, numbers::px(mean)),
+            Math::ink(Role::Predicted, numbers::fixed(mean, length + further)),
             Math::text(" − "),
-            Math::ink(Role::Reference, numbers::factor(numbers::gray(gradient))),
+            Math::ink(Role::Reference, numbers::factor(level(gradient))),
             Math::text(" · "),
-            share,
+            Math::over(Math::text(level(self.off)), Math::text(level(self.weight))),
             Math::text(" = "),
             Math::ink(Role::Result, numbers::px(to)),
         ])

@@ -19,7 +19,7 @@ use crate::products::{Feature, Output, PointField, Product, ProductKind, Status,
 use crate::run::{
     Estimator, Footprint, Granularity, Guarantee, Info, Keypoints, Need, Pointed, Progress, Seen, Span, Stage, need,
 };
-use crate::scene::{Case, Chart, Focus, Question, Role, Scene, Step};
+use crate::scene::{Chart, Focus, Question, Reply, Role, Scene, Step};
 use crate::{params, pseudocode};
 
 params! {
@@ -330,10 +330,10 @@ impl Estimator for Klt {
         "kept",
         "What becomes of the next feature?",
         &[
-            Case::at(line::MOVE, "It passes all checks"),
-            Case::says(line::TRACK, "is lost", "It leaves the frame"),
-            Case::says(line::TRACK_BACK, "is lost", "Tracking back ends elsewhere"),
-            Case::at(line::IS_CHANGED, "It no longer looks like its first view"),
+            Reply::at(line::MOVE, "It passes all checks"),
+            Reply::says(line::TRACK, "is lost", "It leaves the frame"),
+            Reply::says(line::TRACK_BACK, "is lost", "Tracking back ends elsewhere"),
+            Reply::at(line::IS_CHANGED, "It no longer looks like its first view"),
         ],
     )];
     const GUARANTEE: Guarantee = Guarantee::Features { off_centi_px: 2 };

@@ -14,8 +14,8 @@ use crate::products::{Confidence, DenseField, Output, Product, ProductKind};
 use crate::run::{
     Cursor, Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen,
 };
-use crate::scene::{Case, Chart, Focus, Question, Scene, Step};
-use crate::{params, pseudocode};
+use crate::scene::{Chart, Focus, Question, Reply, Scene, Step};
+use crate::{cases, params, pseudocode};
 
 params! {
     /// Lucas and Kanade's method for every pixel. Its normal equations are Σ w I_x² u + Σ w I_x I_y v = −Σ w I_x I_t and
@@ -202,11 +202,14 @@ impl State {
 }
 
 /// What would help where Lucas–Kanade fails.
-const ADVICE: Advice = Advice {
-    texture: "A larger window may contain other gradients; the smoothness term of Horn–Schunck fills such areas.",
-    boundary: "The window mixes the motions of both sides; a smaller window or TV-L1 mixes them less.",
-    motion: "A pyramid, as in pyramidal Lucas–Kanade, would reach it.",
-};
+const ADVICE: Advice =
+    Advice { texture: case::ADVISE_TEXTURE, boundary: case::ADVISE_BOUNDARY, motion: case::ADVISE_MOTION };
+
+cases! {
+    ADVISE_TEXTURE: "A larger window may contain other gradients; the smoothness term of Horn–Schunck fills such areas.",
+    ADVISE_BOUNDARY: "The window mixes the motions of both sides; a smaller window or TV-L1 mixes them less.",
+    ADVISE_MOTION: "A pyramid, as in pyramidal Lucas–Kanade, would reach it.",
+}
 
 pseudocode! {
     START_AT_ZERO: "(u, v) ← 0 for each pixel",
@@ -234,9 +237,9 @@ impl Estimator for LucasKanade {
         "determined",
         "Does the window of the next pixel determine its flow?",
         &[
-            Case::at(line::SOLVE, "Yes: the constraint lines intersect well"),
-            Case::says(line::IS_SINGULAR, "an edge", "No: an edge, its lines are nearly parallel"),
-            Case::says(line::IS_SINGULAR, "flat window", "No: a flat window"),
+            Reply::at(line::SOLVE, "Yes: the constraint lines intersect well"),
+            Reply::says(line::IS_SINGULAR, "an edge", "No: an edge, its lines are nearly parallel"),
+            Reply::says(line::IS_SINGULAR, "flat window", "No: a flat window"),
         ],
     )];
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 3 };

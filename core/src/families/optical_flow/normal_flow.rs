@@ -10,7 +10,7 @@
 
 use std::sync::Arc;
 
-use crate::base::{Error, Observer, Tally, Threads, words};
+use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::{Clip, Flow};
 use crate::geometry::Grid;
 use crate::methods::differential::{Advice, Conclusion, Derivatives, FLAT, FramePair, Scheme, explain, field, numbers};
@@ -18,10 +18,8 @@ use crate::products::{Confidence, DenseField, Output, Product, ProductKind};
 use crate::run::{
     Cursor, Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen,
 };
-use crate::scene::{
-    Case, Chart, Fact, Focus, Math, Picture, Plane, Question, Readout, Role, Scene, Sentence, Shape, Step,
-};
-use crate::{params, pseudocode};
+use crate::scene::{Chart, Focus, Picture, Plane, Question, Readout, Reply, Role, Scene, Shape, Step, Unit};
+use crate::{cases, params, pseudocode, variables};
 
 params! {
     /// Normal flow: the flow component along the gradient, which a single pixel determines (aperture problem).
@@ -37,11 +35,8 @@ params! {
 }
 
 /// What would help where normal flow fails.
-const ADVICE: Advice = Advice {
-    texture: "Lucas–Kanade combines the constraints of a window and finds both components where their gradients differ.",
-    boundary: "The temporal derivative mixes both motions there; a smaller sigma mixes less.",
-    motion: "A pyramid, as in Horn–Schunck with several levels, would reach this motion.",
-};
+const ADVICE: Advice =
+    Advice { texture: case::ADVISE_TEXTURE, boundary: case::ADVISE_BOUNDARY, motion: case::ADVISE_MOTION };
 
 /// The state of a run.
 #[derive(Clone)]
@@ -109,6 +104,30 @@ impl State {
     }
 }
 
+variables! {
+    /// The normal flow: the flow component along the gradient.
+    NORMAL_FLOW: "Normal flow", r"(u, v)", Unit::SUBPIXEL, Role::Result;
+    /// The smallest gradient magnitude with flow.
+    LEAST_GRADIENT: "Threshold", r"|\nabla I|_{\min}", explain::GRADIENT_UNIT;
+    /// The change of the brightness of the pixel per frame.
+    CHANGE: "Change of brightness", r"|I_t|", Unit::new("gray levels per frame", 2);
+}
+
+cases! { over value, explain::value;
+    OPENING: "Brightness constancy gives one equation per pixel for two unknowns, so a single pixel determines only the flow along its \
+              gradient. Both frames are smoothed first, because derivatives amplify noise.",
+    BELOW: "{reference|Pixel} {pixel}: |∇I| = {gradient} is below the threshold of {least_gradient:bare}: noise would dominate, so the flow \
+            is unknown.",
+    ROUNDING: "{reference|Pixel} {pixel}: |∇I| = {gradient} is no more than rounding error, so the flow is unknown.",
+    STEADY: "{reference|Pixel} {pixel}: |∇I| = {gradient}, and the brightness does not change.",
+    BRIGHTER: "{reference|Pixel} {pixel}: |∇I| = {gradient}, and the pixel gets brighter by {change}.",
+    DARKER: "{reference|Pixel} {pixel}: |∇I| = {gradient}, and the pixel gets darker by {change}.",
+    FLOW: "The normal flow is {normal_flow}, across the edge; the component along the edge is unknown (aperture problem).",
+    ADVISE_TEXTURE: "Lucas–Kanade combines the constraints of a window and finds both components where their gradients differ.",
+    ADVISE_BOUNDARY: "The temporal derivative mixes both motions there; a smaller sigma mixes less.",
+    ADVISE_MOTION: "A pyramid, as in Horn–Schunck with several levels, would reach this motion.",
+}
+
 pseudocode! {
     TAKE_DERIVATIVES: "smooth both frames by a Gaussian of σ px; I_x, I_y ← derivatives of their mean; I_t ← their difference",
     EACH_PIXEL: "for each pixel with the gradient constraint I_x u + I_y v + I_t = 0, a line in the (u, v) plane",
@@ -133,8 +152,8 @@ impl Estimator for NormalFlow {
         "known",
         "Will the next pixel have a normal flow?",
         &[
-            Case::at(line::TAKE_NEAREST, "Yes: its gradient is large enough"),
-            Case::at(line::IS_FLAT, "No: its gradient is too small"),
+            Reply::at(line::TAKE_NEAREST, "Yes: its gradient is large enough"),
+            Reply::at(line::IS_FLAT, "No: its gradient is too small"),
         ],
     )];
     const GUARANTEE: Guarantee = Guarantee::AlongGradient;
@@ -168,23 +187,12 @@ impl Estimator for NormalFlow {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        let Some(pixel) = pixel(seen) else {
-            let sentence = "Brightness constancy gives one equation per pixel for two unknowns, so a single pixel determines only the flow along \
-                            its gradient. Both frames are smoothed first, because derivatives amplify noise.";
-            return Step {
-                line: line::TAKE_DERIVATIVES,
-                sentence: Sentence::default().text(sentence),
-                readouts: Vec::new(),
-            };
-        };
-        let of = &seen.before.fixed.derivatives;
-        let found = self.nearest(of.at(pixel));
-        let is_known = found[0].is_finite();
-        Step {
-            line: if is_known { line::TAKE_NEAREST } else { line::IS_FLAT },
-            sentence: self.concluded(seen, self.sentence(pixel, of.at(pixel), found)),
-            readouts: self.readouts(&seen.before.fixed, pixel, found),
-        }
+        let Some(pixel) = pixel(seen) else { return Step::at(line::TAKE_DERIVATIVES).say(case::OPENING) };
+        let fixed = &seen.before.fixed;
+        let found = self.nearest(fixed.derivatives.at(pixel));
+        let step = Step::at(if found[0].is_finite() { line::TAKE_NEAREST } else { line::IS_FLAT });
+        let step = self.told(fixed.derivatives.put(step, pixel), found);
+        self.charted(concluded(seen, step), fixed, (pixel, found))
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
@@ -252,64 +260,27 @@ fn pixel(seen: &Seen<NormalFlow>) -> Option<(usize, usize)> {
 }
 
 impl NormalFlow {
-    fn sentence(&self, (x, y): (usize, usize), [a, b, c]: [f32; 3], found: [f32; 2]) -> Sentence {
-        let said = Sentence::default().ink(Role::Reference, format!("Pixel {}", words::pixel((x, y))));
-        let size = numbers::gray(a.hypot(b));
+    /// Tells the flow of a pixel from its derivatives.
+    fn told(&self, step: Step, found: [f32; 2]) -> Step {
+        let [x, y, change] = [explain::value::I_X, explain::value::I_Y, explain::value::I_T].map(|of| step.real(of));
+        let gradient = x.hypot(y);
+        let step = step.fact(explain::value::GRADIENT, gradient).put(value::LEAST_GRADIENT, self.min_gradient);
         if !found[0].is_finite() {
-            let why = match a.hypot(b) < self.min_gradient {
-                true => format!(
-                    "below the threshold of {}: noise would dominate, so the flow is unknown",
-                    numbers::gray(self.min_gradient)
-                ),
-                false => "no more than rounding error, so the flow is unknown".into(),
-            };
-            return said.text(format!(": |∇I| = {size} gray levels per px is {why}."));
+            let is_below = gradient < f64::from(self.min_gradient);
+            return explain::constraint(step.say(if is_below { case::BELOW } else { case::ROUNDING }));
         }
-        let change = match numbers::gray(c.abs()) {
-            none if none == "0.00" => "the brightness does not change".to_owned(),
-            by => {
-                format!("the pixel gets {} by {by} gray levels per frame", if c > 0.0 { "brighter" } else { "darker" })
-            }
-        };
-        said.text(format!(": |∇I| = {size} gray levels per px, and {change}. The normal flow is "))
-            .ink(Role::Result, format!("{} px", numbers::vector(found)))
-            .text(", across the edge; the component along the edge is unknown (aperture problem).")
+        let is_steady = numbers::gray(change as f32).trim_start_matches('−') == "0.00";
+        let changes = if change > 0.0 { case::BRIGHTER } else { case::DARKER };
+        let step = step.put(value::CHANGE, change.abs()).fact(value::NORMAL_FLOW, found);
+        let step = step.say(if is_steady { case::STEADY } else { changes }).say(case::FLOW);
+        explain::constraint(step).formula(r"(u, v) = -\frac{I_t \nabla I}{|\nabla I|^2} = {normal_flow}")
     }
 
-    /// Adds the conclusion at the end of a run.
-    fn concluded(&self, seen: &Seen<Self>, sentence: Sentence) -> Sentence {
-        let (Some(after), None) = (seen.after, seen.point()) else { return sentence };
-        let frames = &after.fixed.frame_pair;
-        if after.y() < frames.size().1 {
-            return sentence;
-        }
-        let conclusion = Conclusion::new(frames, &Flow(after.flow(&[])), 1.0);
-        sentence.text(conclusion.sentence(&ADVICE))
-    }
-
-    fn readouts(
-        &self,
-        Fixed { frame_pair, derivatives }: &Fixed,
-        pixel: (usize, usize),
-        found: [f32; 2],
-    ) -> Vec<Readout> {
-        let factors = derivatives.at(pixel);
-        let truth = frame_pair.true_displacement(pixel);
+    /// Adds the charts of a pixel.
+    fn charted(&self, step: Step, fixed: &Fixed, (pixel, found): ((usize, usize), [f32; 2])) -> Step {
+        let Fixed { frame_pair, derivatives } = fixed;
+        let (factors, truth) = (derivatives.at(pixel), frame_pair.true_displacement(pixel));
         let is_known = found[0].is_finite();
-        let fact = |label, value: String, role| Fact::new(label, value, role);
-        let mut facts = vec![
-            fact("Pixel", words::pixel(pixel), Some(Role::Reference)),
-            derivatives.fact(pixel),
-            fact("Gradient |∇I|", format!("{} gray levels per px", numbers::gray(factors[0].hypot(factors[1]))), None),
-        ];
-        if is_known {
-            facts.push(fact("Normal flow", format!("{} px", numbers::vector(found)), Some(Role::Result)));
-        }
-        facts.extend(truth.map(|truth| fact("True flow", format!("{} px", numbers::vector(truth)), Some(Role::Truth))));
-        let mut equation = explain::constraint_equation(factors, Role::Reference).to_vec();
-        if is_known {
-            equation.push(nearest_equation(found));
-        }
         let mut points = vec![("zero flow", Role::Reference, [0.0; 2])];
         points.extend(is_known.then_some(("normal flow", Role::Result, found)));
         points.extend(truth.map(|truth| ("true flow", Role::Truth, truth)));
@@ -328,28 +299,20 @@ impl NormalFlow {
             ellipse: None,
         };
         let [current, next] = &frame_pair.pictures;
-        vec![
-            Readout::Facts(facts),
-            Readout::Equation(equation),
-            Readout::Plane(plane),
-            Readout::Tiles(derivatives.tiles([current, next], pixel, 3)),
-        ]
+        let step = match truth {
+            Some(truth) => step.fact(explain::value::TRUE_FLOW, truth),
+            None => step,
+        };
+        step.show(Readout::Plane(plane)).show(Readout::Tiles(derivatives.tiles([current, next], pixel, 3)))
     }
 }
 
-/// (u, v) = −I_t ∇I / |∇I|², with numbers.
-fn nearest_equation(found: [f32; 2]) -> Math {
-    let gradient = || Math::Row(vec![Math::text("∇"), Math::Var("I")]);
-    let top = Math::Row(vec![explain::derivative("t"), Math::text(" "), gradient()]);
-    let bottom = Math::power(Math::Abs(Box::new(gradient())), Math::text("2"));
-    Math::Row(vec![
-        Math::text("("),
-        Math::Var("u"),
-        Math::text(", "),
-        Math::Var("v"),
-        Math::text(") = − "),
-        Math::Frac(Box::new(top), Box::new(bottom)),
-        Math::text(" = "),
-        Math::ink(Role::Result, numbers::vector(found)),
-    ])
+/// Adds the conclusion at the end of a run.
+fn concluded(seen: &Seen<NormalFlow>, step: Step) -> Step {
+    let (Some(after), None) = (seen.after, seen.point()) else { return step };
+    let frames = &after.fixed.frame_pair;
+    if after.y() < frames.size().1 {
+        return step;
+    }
+    Conclusion::new(frames, &Flow(after.flow(&[])), 1.0).tell(step, &ADVICE)
 }

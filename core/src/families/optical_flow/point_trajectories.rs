@@ -19,7 +19,7 @@ use crate::run::{
     DenseFlow, Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, Span,
     Stage, need, run_counted,
 };
-use crate::scene::{Case, Chart, Focus, Question, Role, Scene, Step};
+use crate::scene::{Chart, Focus, Question, Reply, Role, Scene, Step};
 use crate::{params, pseudocode};
 
 params! {
@@ -354,10 +354,10 @@ impl Estimator for PointTrajectories {
         "carried",
         "What becomes of the next point?",
         &[
-            Case::at(line::CARRY, "The flow carries it on"),
-            Case::at(line::IS_ASTRAY, "Lost: forward and backward flow disagree"),
-            Case::at(line::IS_OUTSIDE, "Lost: the flow leads out of the frame"),
-            Case::at(line::IS_FLAT, "Lost: its surroundings are flat"),
+            Reply::at(line::CARRY, "The flow carries it on"),
+            Reply::at(line::IS_ASTRAY, "Lost: forward and backward flow disagree"),
+            Reply::at(line::IS_OUTSIDE, "Lost: the flow leads out of the frame"),
+            Reply::at(line::IS_FLAT, "Lost: its surroundings are flat"),
         ],
     )];
     const GUARANTEE: Guarantee = Guarantee::Features { off_centi_px: 5 };

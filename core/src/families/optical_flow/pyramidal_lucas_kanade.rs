@@ -17,7 +17,7 @@ use crate::params::Spots;
 use crate::products::{Confidence, DenseField, Feature, Output, PointField, Product, ProductKind, Status};
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Keypoints, Need, Pointed, Progress, Seen, Stage};
 use crate::scene::{
-    Arrow, Case, Chart, Fact, Focus, Levels, Picture, Question, Readout, Role, Scene, Sentence, Shape, Stack, Step,
+    Arrow, Chart, Fact, Focus, Levels, Picture, Question, Readout, Reply, Role, Scene, Sentence, Shape, Stack, Step,
 };
 use crate::{choices, params, pseudocode};
 
@@ -248,14 +248,14 @@ impl Estimator for PyramidalLucasKanade {
             "converged",
             "Does the next iteration converge?",
             &[
-                Case::says(line::UNTIL_CONVERGED, "converged", "Yes: its increment is shorter than ε"),
-                Case::at(line::UPDATE, "No"),
+                Reply::says(line::UNTIL_CONVERGED, "converged", "Yes: its increment is shorter than ε"),
+                Reply::at(line::UPDATE, "No"),
             ],
         ),
         Question::choice(
             "lost",
             "Is the point tracked or lost?",
-            &[Case::says(line::CHECK, "is lost", "Lost"), Case::at(line::CHECK, "Tracked")],
+            &[Reply::says(line::CHECK, "is lost", "Lost"), Reply::at(line::CHECK, "Tracked")],
         ),
     ];
     const GUARANTEE: Guarantee = Guarantee::Features { off_centi_px: 2 };
@@ -347,7 +347,12 @@ impl Estimator for PyramidalLucasKanade {
             Some(follow::Event::PassedDown(..)) => line::HAND_ON,
             Some(follow::Event::End(..)) => line::CHECK,
         };
-        Step { line, sentence: self.sentence(seen, probe.as_ref()), readouts: self.readouts(seen, probe.as_ref()) }
+        Step {
+            values: Vec::new(),
+            line,
+            sentence: self.sentence(seen, probe.as_ref()),
+            readouts: self.readouts(seen, probe.as_ref()),
+        }
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {

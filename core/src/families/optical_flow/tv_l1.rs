@@ -6,8 +6,8 @@ use crate::methods::{
     variational::{Dual, Explanation, Model, Probe, Settings, Warp, primal_dual},
 };
 use crate::run::{Guarantee, Info};
-use crate::scene::{Case, Fact, Math, Name, Question, Role, Sentence};
-use crate::{params, pseudocode};
+use crate::scene::{Fact, Math, Name, Question, Reply, Role, Sentence};
+use crate::{cases, params, pseudocode};
 
 params! {
     /// TV-L1, which minimises the energy ∫∫ λ |I_x u + I_y v + I_t| + |∇u| + |∇v|. Neither term is squared, so outliers of the
@@ -29,6 +29,12 @@ params! {
 /// The steps of an iteration: thresholding of the data term, then the update of the flow.
 const THRESHOLDED: usize = 0;
 const UPDATED: usize = 1;
+
+cases! {
+    ADVISE_TEXTURE: "A smaller λ and more iterations carry flow in from textured neighbours.",
+    ADVISE_BOUNDARY: "More warps and iterations sharpen the boundary. Occluded pixels have no match; the forward–backward check shows them.",
+    ADVISE_MOTION: "More pyramid levels and warps would reach this motion.",
+}
 
 pseudocode! {
     ENERGY: "E(u, v) = ∫∫ λ |ρ| + |∇u| + |∇v|, where ρ = I_x u + I_y v + I_t",
@@ -60,9 +66,9 @@ impl Model for TvL1 {
         "thresholding",
         "How far toward the constraint line does thresholding move the auxiliary flow?",
         &[
-            Case::says(line::FIT_DATA, "all the way", "All the way"),
-            Case::says(line::FIT_DATA, "is clipped", "Part of the way: the step is clipped"),
-            Case::says(line::FIT_DATA, "there is no constraint", "Not at all: there is no constraint"),
+            Reply::says(line::FIT_DATA, "all the way", "All the way"),
+            Reply::says(line::FIT_DATA, "is clipped", "Part of the way: the step is clipped"),
+            Reply::says(line::FIT_DATA, "there is no constraint", "Not at all: there is no constraint"),
         ],
     )];
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 5 };
@@ -70,11 +76,8 @@ impl Model for TvL1 {
     const OPENING: &'static str = "The energy sums λ times the absolute residual of the gradient constraint (L1 data term) and \
                                    the total variation of u and v. Neither is squared, so outliers such as occlusions lose \
                                    influence, and a sharp motion boundary costs no more than a gradual one.";
-    const ADVICE: Advice = Advice {
-        texture: "A smaller λ and more iterations carry flow in from textured neighbours.",
-        boundary: "More warps and iterations sharpen the boundary. Occluded pixels have no match; the forward–backward check shows them.",
-        motion: "More pyramid levels and warps would reach this motion.",
-    };
+    const ADVICE: Advice =
+        Advice { texture: case::ADVISE_TEXTURE, boundary: case::ADVISE_BOUNDARY, motion: case::ADVISE_MOTION };
     const SYSTEM_PARTS: usize = 0;
     const NEED: [f64; 2] = [122.0, 275.0];
     type System = ();
@@ -112,7 +115,7 @@ impl Model for TvL1 {
             equation: pixel.equation(self, step, probe),
             points,
             lines: explain::line(probe.factors(), 1.0, Role::Candidate).into_iter().collect(),
-            energy: None,
+            energy: pixel.energy(self, step, probe),
         }
     }
 }
@@ -224,6 +227,16 @@ impl Pixel {
         }
     }
 
+    /// The energy that a step minimises over the auxiliary flow, or over the flow; none of the dual update, which leaves both.
+    fn energy(&self, model: &TvL1, step: usize, probe: &Probe<TvL1>) -> Option<Box<dyn Fn([f32; 2]) -> f32>> {
+        let theta = model.theta;
+        match step {
+            THRESHOLDED => Some(Box::new(data_energy((model.lambda, theta), probe.factors(), probe.from()))),
+            UPDATED => Some(Box::new(smoothing_energy(theta, self.fitted, self.divergence))),
+            _ => None,
+        }
+    }
+
     fn facts(&self, step: usize) -> Vec<Fact> {
         let fact = |label, value: String, role| Fact::new(label, value, role);
         let case = match self.step {
@@ -318,6 +331,19 @@ impl Pixel {
     }
 }
 
+/// λ |ρ(f)| + |f − w|² / 2θ over the auxiliary flow f, for the flow w: thresholding minimises it.
+fn data_energy((lambda, theta): (f32, f32), [a, b, c]: [f32; 3], from: [f32; 2]) -> impl Fn([f32; 2]) -> f32 {
+    move |[u, v]| lambda * (a * u + b * v + c).abs() + ((u - from[0]).powi(2) + (v - from[1]).powi(2)) / (2.0 * theta)
+}
+
+/// |w − f|² / 2θ − u div p_u − v div p_v over the flow w: the total variation as p has it, which the update minimises.
+fn smoothing_energy(theta: f32, fitted: [f32; 2], divergence: [f32; 2]) -> impl Fn([f32; 2]) -> f32 {
+    move |[u, v]| {
+        let apart = (u - fitted[0]).powi(2) + (v - fitted[1]).powi(2);
+        apart / (2.0 * theta) - u * divergence[0] - v * divergence[1]
+    }
+}
+
 /// The dual variable p_u or p_v.
 fn dual(name: &'static str) -> Math {
     Math::indexed(Math::Var("p"), Math::Var(name))
@@ -376,4 +402,34 @@ fn dual_update(model: &TvL1, name: &'static str, DualUpdate { from, gradient, to
             Math::text(numbers::vector(to)),
         ]),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Fails unless `energy` is smallest at `to`.
+    fn is_minimum(energy: impl Fn([f32; 2]) -> f32, to: [f32; 2]) {
+        for [du, dv] in [[0.02, 0.0], [-0.02, 0.0], [0.0, 0.02], [0.0, -0.02], [0.015, 0.015], [-0.015, 0.015]] {
+            assert!(energy(to) < energy([to[0] + du, to[1] + dv]), "{to:?}: ({du}, {dv})");
+        }
+    }
+
+    #[test]
+    fn thresholding_is_the_minimum_of_the_data_energy() {
+        let ([lambda, theta], from) = ([0.15, 0.3], [0.6, -0.2]);
+        // To the constraint line, clipped on both sides of it, and without a gradient.
+        for factors in [[6.0, -3.0, -4.0], [1.0, 0.5, 9.0], [1.0, 0.5, -9.0], [0.0, 0.0, 5.0]] {
+            let [a, b, c] = factors;
+            let step = primal_dual::step(a * from[0] + b * from[1] + c, a * a + b * b, lambda * theta);
+            is_minimum(data_energy((lambda, theta), factors, from), [from[0] - step * a, from[1] - step * b]);
+        }
+    }
+
+    #[test]
+    fn the_update_is_the_minimum_of_the_smoothing_energy() {
+        let (theta, fitted, divergence) = (0.3, [0.4, -0.1], [0.8, -1.3]);
+        let to = [0, 1].map(|i| fitted[i] + theta * divergence[i]);
+        is_minimum(smoothing_energy(theta, fitted, divergence), to);
+    }
 }

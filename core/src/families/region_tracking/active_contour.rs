@@ -11,7 +11,7 @@ use crate::methods::contour::{self, Edges, Fit, Force, Model, Pentadiagonal, Poi
 use crate::methods::region::{At, Ending, Explained, LOST, WHERE};
 use crate::products::Region;
 use crate::run::{Info, Need};
-use crate::scene::{Case, Chart, Fact, Name, Question, Readout, Scene, Sentence};
+use crate::scene::{Chart, Fact, Name, Question, Readout, Reply, Scene, Sentence};
 use crate::{choices, params, pseudocode};
 
 choices! {
@@ -233,12 +233,12 @@ impl Fit for ActiveContour {
             "forces",
             "Which force is larger in the next iteration?",
             &[
-                Case::says(
+                Reply::says(
                     line::SOLVE,
                     "elasticity and rigidity pull harder",
                     "The internal one: elasticity and rigidity",
                 ),
-                Case::says(line::SOLVE, "the edges pull harder", "The external one: the edges"),
+                Reply::says(line::SOLVE, "the edges pull harder", "The external one: the edges"),
             ],
         ),
         LOST,

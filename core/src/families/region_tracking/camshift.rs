@@ -11,7 +11,7 @@ use crate::methods::region::color::{Binning, Bins, Histogram, ellipse_rows, surr
 use crate::methods::region::{LOST, RegionModel, Settings, Similarity, WHERE};
 use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Case, Name, Question};
+use crate::scene::{Name, Question, Reply};
 use crate::{choices, params, pseudocode};
 
 choices! {
@@ -249,8 +249,8 @@ impl RegionModel for Camshift {
             "converged",
             "Does the next shift end the iterations?",
             &[
-                Case::says(line::SHIFT, "converged", "Yes: it is shorter than ε"),
-                Case::says(line::SHIFT, "the moments are computed anew", "No: another shift follows"),
+                Reply::says(line::SHIFT, "converged", "Yes: it is shorter than ε"),
+                Reply::says(line::SHIFT, "the moments are computed anew", "No: another shift follows"),
             ],
         ),
         LOST,

@@ -16,7 +16,7 @@ use crate::geometry::{Border, Gray, Grid};
 use crate::methods::region::{LOST, RegionModel, Settings, Similarity, WHERE};
 use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Case, Chart, Name, Question};
+use crate::scene::{Chart, Name, Question, Reply};
 use crate::{params, pseudocode};
 
 use appearance::{Appearance, Evidence};
@@ -374,8 +374,8 @@ impl RegionModel for CorrelationFilter {
             "accepted",
             "Does the peak stand out from the sidelobes?",
             &[
-                Case::says(line::JUDGE, "the peak stands out", "Yes"),
-                Case::says(line::JUDGE, "The peak does not stand out", "No: lost"),
+                Reply::says(line::JUDGE, "the peak stands out", "Yes"),
+                Reply::says(line::JUDGE, "The peak does not stand out", "No: lost"),
             ],
         ),
         LOST,

@@ -11,7 +11,7 @@ use crate::methods::contour::{self, Edges, Fit, Model, Point, Snake, Verdict};
 use crate::methods::region::{At, Ending, Explained, LOST, WHERE};
 use crate::products::Region;
 use crate::run::{Info, Need};
-use crate::scene::{Case, Chart, Fact, Name, Question, Readout, Scene, Sentence};
+use crate::scene::{Chart, Fact, Name, Question, Readout, Reply, Scene, Sentence};
 use crate::{params, pseudocode};
 
 params! {
@@ -313,8 +313,8 @@ impl Fit for GreedyContour {
             "moves",
             "Does the next point move?",
             &[
-                Case::says(line::MOVE_POINT, "The point moves there", "Yes"),
-                Case::says(line::MOVE_POINT, "It is the present one", "No: its pixel has the lowest energy"),
+                Reply::says(line::MOVE_POINT, "The point moves there", "Yes"),
+                Reply::says(line::MOVE_POINT, "It is the present one", "No: its pixel has the lowest energy"),
             ],
         ),
         LOST,

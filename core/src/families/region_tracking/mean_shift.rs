@@ -10,7 +10,7 @@ use crate::methods::region::color::{Bins, ColorBins, Histogram, add_kernel, elli
 use crate::methods::region::{LOST, RegionModel, Settings, Similarity, WHERE};
 use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Case, Name, Question};
+use crate::scene::{Name, Question, Reply};
 use crate::{choices, params, pseudocode};
 
 choices! {
@@ -262,8 +262,8 @@ impl RegionModel for MeanShift {
             "converged",
             "Does the next shift end the iterations?",
             &[
-                Case::says(line::SHIFT, "Converged", "Yes: it is shorter than ε"),
-                Case::says(line::SHIFT, "the weights are computed anew", "No: another shift follows"),
+                Reply::says(line::SHIFT, "Converged", "Yes: it is shorter than ε"),
+                Reply::says(line::SHIFT, "the weights are computed anew", "No: another shift follows"),
             ],
         ),
         LOST,

@@ -13,7 +13,7 @@ use crate::methods::region::color::{Bins, ColorBins, Histogram};
 use crate::methods::region::{RegionModel, Settings, Similarity, WHERE};
 use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Case, Chart, Name, Question};
+use crate::scene::{Chart, Name, Question, Reply};
 use crate::{choices, params, pseudocode};
 
 use cloud::{Draw, Estimate, Particle};
@@ -193,8 +193,8 @@ impl RegionModel for ParticleFilter {
             "resampled",
             "Are the particles drawn anew?",
             &[
-                Case::says(line::COUNT, "are drawn anew", "Yes: too few of them carry the weight"),
-                Case::says(line::COUNT, "are kept", "No: the weights are even enough"),
+                Reply::says(line::COUNT, "are drawn anew", "Yes: too few of them carry the weight"),
+                Reply::says(line::COUNT, "are kept", "No: the weights are even enough"),
             ],
         ),
     ];

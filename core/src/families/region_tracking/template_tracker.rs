@@ -13,7 +13,7 @@ use crate::methods::region::{LOST, RegionModel, Settings, Similarity, WHERE};
 use crate::products::model::Matrix3;
 use crate::products::{Model as Group, Region, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Case, Chart, Name, Question};
+use crate::scene::{Chart, Name, Question, Reply};
 use crate::{choices, params, pseudocode};
 
 use template::{Pyramid, Template, farthest, pyramid, region_of, stretch};
@@ -349,9 +349,9 @@ impl RegionModel for TemplateTracker {
             "diverged",
             "How does the next iteration end?",
             &[
-                Case::says(line::ALIGN, "another iteration", "Another iteration follows"),
-                Case::says(line::ALIGN, "has diverged", "The alignment has diverged"),
-                Case::says(line::ALIGN, "the last update is undone", "The error no longer falls"),
+                Reply::says(line::ALIGN, "another iteration", "Another iteration follows"),
+                Reply::says(line::ALIGN, "has diverged", "The alignment has diverged"),
+                Reply::says(line::ALIGN, "the last update is undone", "The error no longer falls"),
             ],
         ),
         LOST,

@@ -22,7 +22,7 @@ use crate::products::{DisparityField, Output, Product, ProductKind};
 use crate::run::{
     Cursor, Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen,
 };
-use crate::scene::{Case, Chart, Focus, Question, Role, Scene, Step};
+use crate::scene::{Chart, Focus, Question, Reply, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 choices! {
@@ -162,9 +162,8 @@ impl BlockStereo {
             let cost = |d: usize| costs[d * width + x];
             let rival = Some(rivals[x]).filter(|rival| *rival < u32::MAX);
             let verdict = accept(settings, cost(best), rival, winners.difference(x));
-            let is_inside = best > 0 && best < x.min(settings.disparities - 1);
             let disparity = match verdict {
-                Verdict::Accepted if settings.subpixel && is_inside => {
+                Verdict::Accepted if settings.is_refined(best, x) => {
                     best as f32 + vertex([cost(best - 1), cost(best), cost(best + 1)])
                 }
                 Verdict::Accepted => best as f32,
@@ -282,9 +281,9 @@ impl Estimator for BlockStereo {
             "valid",
             "Does the next pixel get a disparity?",
             &[
-                Case::at(line::REFINE, "Yes"),
-                Case::at(line::REJECT_AMBIGUOUS, "No: another minimum is nearly as low"),
-                Case::at(line::REJECT_INCONSISTENT, "No: it fails the left–right check"),
+                Reply::at(line::REFINE, "Yes"),
+                Reply::at(line::REJECT_AMBIGUOUS, "No: another minimum is nearly as low"),
+                Reply::at(line::REJECT_INCONSISTENT, "No: it fails the left–right check"),
             ],
         ),
         Question::place("match", "Where is the match of the pixel in the right view?", line::REFINE, Role::Best),

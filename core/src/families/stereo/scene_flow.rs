@@ -24,7 +24,7 @@ use crate::run::{
     DenseFlow, Disparities, Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress,
     Seen, Stage, run_counted,
 };
-use crate::scene::{Case, Chart, Focus, Name, Picture, Question, Reading, Role, Scene, Step};
+use crate::scene::{Chart, Focus, Name, Picture, Question, Reply, Role, Scene, Step};
 use crate::synth::random::{gaussian, hash};
 use crate::{choices, params, pseudocode};
 
@@ -285,6 +285,11 @@ impl SceneFlow {
         Some(mahalanobis_squared(motion.own(&ego), &motion.covariance(&ego, &field.sigma)))
     }
 
+    /// Whether a pixel with this squared Mahalanobis distance has a motion of its own.
+    fn is_beyond(&self, squared: f64) -> bool {
+        squared > f64::from(self.gate)
+    }
+
     fn find_own(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<(), Error> {
         let field = self.field(state);
         if field.ego.is_none() {
@@ -297,7 +302,7 @@ impl SceneFlow {
         for y in 0..height {
             clip.wanted()?;
             let row = Mask::from_fn(width, 1, |x, _| {
-                self.own_squared(&field, (x, y)).is_some_and(|squared| squared > f64::from(self.gate))
+                self.own_squared(&field, (x, y)).is_some_and(|squared| self.is_beyond(squared))
             });
             beyond.write_row(y, |words| words.copy_from_slice(row.row(0)));
             observer.see(|| Event::Row(Part::Own, y as u32));
@@ -400,14 +405,15 @@ impl Estimator for SceneFlow {
             "own",
             "Does the next pixel have a motion of its own?",
             &[
-                Case::says(line::OWN, "has a motion of its own", "Yes: the residual exceeds the gate"),
-                Case::says(line::OWN, "consistent", "No: the motion of the cameras explains it"),
+                Reply::told(line::OWN, explain::case::OWN_MOTION, "Yes: the residual exceeds the gate"),
+                Reply::told(line::OWN, explain::case::AT_REST, "No: the motion of the cameras explains it"),
             ],
         ),
-        Question::number(
+        Question::value(
             "inliers",
             "How many points agree with the next sample?",
-            Reading { line: line::SAMPLE, after: "", before: " points agree with it", unit: "points" },
+            line::SAMPLE,
+            explain::value::INLIERS,
         ),
     ];
     const GUARANTEE: Guarantee = Guarantee::SceneFlow;

@@ -20,7 +20,7 @@ use crate::geometry::Grid;
 use crate::methods::stereo::{Kept, Settings, Verdict, Views, Winners, accept, census, vertex};
 use crate::products::{DisparityField, Output, Product, ProductKind};
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Case, Chart, Focus, Question, Scene, Step};
+use crate::scene::{Chart, Focus, Question, Reply, Scene, Step};
 use crate::{choices, params, pseudocode};
 use fill::Gap;
 use paths::{Job, LANES, Line, MOST_PENALTY, NONE};
@@ -146,12 +146,13 @@ impl SemiGlobalMatching {
     fn choose_row(&self, sums: &[u16], desk: &Desk, row: &mut [Kept]) {
         let depth = self.settings.disparities.next_multiple_of(LANES);
         for (x, (kept, sums)) in row.iter_mut().zip(sums.chunks_exact(depth)).enumerate() {
-            let (at, last) = (usize::from(desk.winners.left[x]), x.min(self.settings.disparities - 1));
+            let at = usize::from(desk.winners.left[x]);
             let rival = Some(u32::from(desk.rivals[x])).filter(|rival| *rival < u32::from(u16::MAX));
             let verdict = accept(&self.settings, u32::from(sums[at]), rival, 0);
-            let is_inside = self.settings.subpixel && at > 0 && at < last;
             let disparity = match verdict {
-                Verdict::Accepted if is_inside => at as f32 + vertex([at - 1, at, at + 1].map(|d| u32::from(sums[d]))),
+                Verdict::Accepted if self.settings.is_refined(at, x) => {
+                    at as f32 + vertex([at - 1, at, at + 1].map(|d| u32::from(sums[d])))
+                }
                 Verdict::Accepted => at as f32,
                 _ => Disparity::UNKNOWN,
             };
@@ -331,12 +332,12 @@ impl Estimator for SemiGlobalMatching {
         Question::choice(
             "unique",
             "Is the lowest sum of path costs unique?",
-            &[Case::at(line::REJECT_AMBIGUOUS, "No: a rival is nearly as low"), Case::at(line::CHOOSE, "Yes")],
+            &[Reply::at(line::REJECT_AMBIGUOUS, "No: a rival is nearly as low"), Reply::at(line::CHOOSE, "Yes")],
         ),
         Question::choice(
             "confirmed",
             "Does the left–right check confirm the disparity?",
-            &[Case::says(line::CHECK, "confirms", "Yes"), Case::at(line::CHECK, "No")],
+            &[Reply::told(line::CHECK, explain::case::CONFIRMED, "Yes"), Reply::at(line::CHECK, "No")],
         ),
     ];
     const GUARANTEE: Guarantee = Guarantee::Disparity;

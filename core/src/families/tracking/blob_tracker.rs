@@ -23,7 +23,7 @@ use crate::products::{
     },
 };
 use crate::run::{Info, Need, Progress, Seen};
-use crate::scene::{Case, Question, Role, Scene, Step};
+use crate::scene::{Question, Reply, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 use correspond::{Blob, Correspondence};
 
@@ -434,11 +434,11 @@ impl MultiTracker for BlobTracker {
         "associated",
         "What becomes of the next track?",
         &[
-            Case::at(line::GO_ON, "It is updated with a blob it overlaps"),
-            Case::at(line::TAKE_NEAREST, "It takes the nearest blob"),
-            Case::at(line::MERGE, "It merges into a group"),
-            Case::at(line::SPLIT, "Its group splits"),
-            Case::at(line::COAST_OR_END, "It has no blob"),
+            Reply::at(line::GO_ON, "It is updated with a blob it overlaps"),
+            Reply::at(line::TAKE_NEAREST, "It takes the nearest blob"),
+            Reply::at(line::MERGE, "It merges into a group"),
+            Reply::at(line::SPLIT, "Its group splits"),
+            Reply::at(line::COAST_OR_END, "It has no blob"),
         ],
     )];
     type Tracks = Vec<TrackedBlob>;

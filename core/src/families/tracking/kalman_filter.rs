@@ -23,7 +23,7 @@ use crate::methods::{
 use crate::params::Spots;
 use crate::products::{Followed, Object, ObjectField, ObjectFrame, Output, Product, ProductKind, TrackStatus, Watched};
 use crate::run::{Estimator, Footprint, Foreground, Granularity, Guarantee, Info, Need, Progress, Seen, Span, Stage};
-use crate::scene::{Case, Chart, Question, Role, Scene, Step};
+use crate::scene::{Chart, Question, Reply, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 use restart::Retry;
@@ -473,7 +473,10 @@ impl Estimator for KalmanFilter {
         Question::choice(
             "gate",
             "Is the measurement inside the gate?",
-            &[Case::says(line::GATE, "rejected", "No: rejected"), Case::says(line::GATE, "accepted", "Yes: accepted")],
+            &[
+                Reply::says(line::GATE, "rejected", "No: rejected"),
+                Reply::says(line::GATE, "accepted", "Yes: accepted"),
+            ],
         ),
         Question::place("updated", "Where is the estimate after the update?", line::UPDATE, Role::Estimate),
     ];

@@ -22,7 +22,7 @@ use crate::methods::{
 };
 use crate::products::{Object, ObjectFrame, TrackStatus};
 use crate::run::{Info, Need, Progress, Seen};
-use crate::scene::{Case, Question, Reading, Role, Scene, Step};
+use crate::scene::{Question, Reading, Reply, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 pub use association::Costs;
@@ -220,15 +220,18 @@ impl MultiTracker for KalmanTracker {
             "gain",
             "Along x, will the updated position of the next track be nearer to its prediction or to its detection?",
             &[
-                Case::over(GAIN, 0.5, "Nearer to the detection"),
-                Case::says(line::UPDATE_TRACK, "with gain", "Nearer to the prediction"),
+                Reply::over(GAIN, 0.5, "Nearer to the detection"),
+                Reply::says(line::UPDATE_TRACK, "with gain", "Nearer to the prediction"),
             ],
         )
         .unless("K = 0.500 "),
         Question::choice(
             "unassigned",
             "What becomes of the next track without a detection?",
-            &[Case::says(line::COAST_OR_END, "is deleted", "It is deleted"), Case::at(line::COAST_OR_END, "It coasts")],
+            &[
+                Reply::says(line::COAST_OR_END, "is deleted", "It is deleted"),
+                Reply::at(line::COAST_OR_END, "It coasts"),
+            ],
         ),
         Question::number(
             "gated",

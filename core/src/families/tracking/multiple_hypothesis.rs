@@ -24,7 +24,7 @@ use crate::methods::multi_object::{
 };
 use crate::products::{Object, ObjectFrame};
 use crate::run::{Info, Need, Progress, Seen};
-use crate::scene::{Case, Chart, Question, Reading, Role, Scene, Step};
+use crate::scene::{Chart, Question, Reading, Reply, Role, Scene, Step};
 use crate::{params, pseudocode};
 use expand::{Expansion, Gates};
 use forest::{Cluster, Hypothesis, Scan, Track};
@@ -162,8 +162,8 @@ impl MultiTracker for MultipleHypothesis {
             "pruned",
             "Does N-scan pruning delete hypotheses?",
             &[
-                Case::says(line::PRUNE, "all hypotheses explain it alike", "No: all explain that frame alike"),
-                Case::says(line::PRUNE, "N-scan pruning deletes", "Yes"),
+                Reply::says(line::PRUNE, "all hypotheses explain it alike", "No: all explain that frame alike"),
+                Reply::says(line::PRUNE, "N-scan pruning deletes", "Yes"),
             ],
         ),
         Question::number(

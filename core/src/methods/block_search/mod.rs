@@ -11,6 +11,7 @@ mod settings;
 mod subpixel;
 mod tester;
 mod true_motion;
+mod vocabulary;
 mod whole_readouts;
 mod whole_window;
 
@@ -20,9 +21,9 @@ use crate::base::Error;
 use crate::data::{Between, Clip, Frame, Interpolation};
 use crate::methods::cost::Cut;
 use crate::products::{Block, BlockGrid, BlockVector};
-use crate::scene::{Name, Role};
+use crate::scene::{Role, Step};
 
-pub(crate) use explain::{counted_share, vector};
+pub(crate) use explain::percent;
 pub use neighbours::Neighbours;
 pub use pattern::{Pattern, Relay};
 pub(crate) use probe::Probe;
@@ -34,6 +35,7 @@ pub use settings::{BorderRule, Cost, HasSettings, Matching, Refinement, Settings
 pub use subpixel::{Fit, Subpixel};
 pub use tester::Tester;
 pub(crate) use tester::{Workspace, around};
+pub(crate) use vocabulary::value;
 
 /// A displacement `[u, v]` in whole px from frame t to t + 1.
 pub type Displacement = [i32; 2];
@@ -183,12 +185,7 @@ pub enum Event {
     /// The search window was placed.
     Window,
     /// The search decided which candidates to test next, or to stop.
-    Stage {
-        /// The line of the pseudocode.
-        line: Name,
-        /// The decision.
-        stage: Stage,
-    },
+    Stage(Stage),
     /// Sub-pixel candidates, or neighbours for a parabola, are tested.
     Refine(Stage),
     /// Parabolas were fitted through the costs around the best match.
@@ -201,12 +198,7 @@ pub enum Event {
         rows: usize,
     },
     /// A candidate was skipped, since a lower bound of its cost exceeds the minimum so far.
-    Skipped {
-        /// The line of the pseudocode.
-        line: Name,
-        /// The candidate and its bound.
-        skipped: Skipped,
-    },
+    Skipped(Skipped),
     /// That candidate has the minimum cost so far.
     NewBest {
         /// The best before, if there was one.
@@ -226,7 +218,7 @@ impl Event {
     pub(crate) fn landmark(&self) -> Option<Role> {
         match self {
             Event::NewBest { .. } | Event::Fit(_) => Some(Role::Best),
-            Event::Stage { .. } | Event::Refine(_) => Some(Role::Candidate),
+            Event::Stage(_) | Event::Refine(_) => Some(Role::Candidate),
             _ => None,
         }
     }
@@ -252,15 +244,15 @@ pub struct Stage {
     pub asked: usize,
     /// Those of them that are new and inside the search window, in px.
     pub points: Vec<[f32; 2]>,
-    /// Why, in a sentence or two.
-    pub why: String,
+    /// Why, at its line of the pseudocode.
+    pub told: Box<Step>,
 }
 
 impl Stage {
     /// The stage that begins with `event`.
     fn of(event: &Event) -> Option<&Stage> {
         match event {
-            Event::Stage { stage, .. } | Event::Refine(stage) => Some(stage),
+            Event::Stage(stage) | Event::Refine(stage) => Some(stage),
             _ => None,
         }
     }
@@ -291,6 +283,17 @@ impl Match {
     /// The block vector found after `candidates` tests.
     pub(crate) fn result(&self, candidates: u32) -> BlockVector {
         BlockVector { displacement: self.vector(), cost: self.cost, candidates }
+    }
+
+    /// Whether a candidate becomes the best in place of `best`: it costs less, or as much and wins the tie.
+    #[inline]
+    pub(crate) fn wins(&self, best: &Match) -> bool {
+        self.cost < best.cost || self.cost == best.cost && shorter(self.quarters(), best.quarters())
+    }
+
+    /// The squared length of the displacement in quarters of a px.
+    fn length(&self) -> i32 {
+        self.quarters().iter().map(|c| c * c).sum()
     }
 
     /// The displacement in quarters of a px; one fitted by a parabola is rounded.

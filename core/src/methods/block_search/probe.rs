@@ -68,12 +68,17 @@ impl Probe<'_> {
         self.pair.blocks.block(self.index)
     }
 
-    /// The candidate that was tested last.
-    pub(super) fn candidate(&self) -> Option<(Match, usize)> {
-        self.events.iter().rev().find_map(|event| match event {
+    /// The candidates that were tested, each with the rows summed.
+    pub(super) fn candidates(&self) -> impl DoubleEndedIterator<Item = (Match, usize)> {
+        self.events.iter().filter_map(|event| match event {
             &Event::Candidate { tested, rows } => Some((tested, rows)),
             _ => None,
         })
+    }
+
+    /// The candidate that was tested last.
+    pub(super) fn candidate(&self) -> Option<(Match, usize)> {
+        self.candidates().next_back()
     }
 
     /// The best candidate so far.
@@ -88,12 +93,12 @@ impl Probe<'_> {
     }
 
     pub(super) fn tested(&self) -> usize {
-        self.events.iter().filter(|event| event.is_candidate()).count()
+        self.candidates().count()
     }
 
     /// The number of candidates skipped in this block.
     pub(super) fn skipped_here(&self) -> usize {
-        self.events.iter().filter(|event| matches!(event, Event::Skipped { .. })).count()
+        self.events.iter().filter(|event| matches!(event, Event::Skipped(_))).count()
     }
 
     pub fn is_over(&self) -> bool {
@@ -161,10 +166,8 @@ impl Probe<'_> {
 
     /// The candidate that the last event has skipped.
     pub(super) fn passed_over(&self) -> Option<Displacement> {
-        match self.events.last() {
-            Some(Event::Skipped { skipped, .. }) => Some(skipped.displacement),
-            _ => None,
-        }
+        let Some(Event::Skipped(skipped)) = self.events.last() else { return None };
+        Some(skipped.displacement)
     }
 
     fn draw_window(&self, block: Block, scene: &mut Scene) {
@@ -224,13 +227,9 @@ impl Probe<'_> {
     /// The costs so far, by displacement; a candidate rejected early has none.
     pub(super) fn costs(&self) -> Grid<f32> {
         let mut costs = Grid::new(self.window.size.0, self.window.size.1, f32::NAN);
-        for event in self.events {
-            if let &Event::Candidate { tested, rows } = event
-                && rows == self.block().height
-                && tested.fraction == [0.0; 2]
-            {
-                costs[self.window.place(tested.displacement)] = tested.cost as f32;
-            }
+        let height = self.block().height;
+        for (tested, _) in self.candidates().filter(|(tested, rows)| *rows == height && tested.fraction == [0.0; 2]) {
+            costs[self.window.place(tested.displacement)] = tested.cost as f32;
         }
         costs
     }

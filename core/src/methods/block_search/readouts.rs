@@ -1,31 +1,19 @@
 //! A block search at a cursor: facts, formulas, tiles and charts.
 
-use super::explain::{counted_share, short, signed, vector};
+use super::explain::percent;
 use super::probe::Probe;
-use super::subpixel::has_lowest;
-use super::{Cost, Event, Fit, Match, Neighbours, Patch, Skipped, Subpixel, Tester, Window, Workspace};
-use crate::base::words::{cost as cost_text, fixed, grouped};
+use super::vocabulary::value;
+use super::{Cost, Event, Match, Neighbours, Patch, Skipped, Subpixel, Tester, Window, Workspace};
 use crate::data::{Between, Histogram};
 use crate::geometry::Grid;
 use crate::methods::cost::{Cut, Sum, bounds::Parts};
-use crate::scene::{BetweenPixels, Fact, Footing, Math, Picture, Readout, Role, Series, Surface, Tile};
+use crate::products::Block;
+use crate::scene::{BetweenPixels, Footing, Picture, Readout, Role, Series, Step, Surface, Tile};
 
 impl Probe<'_> {
-    /// The facts, formulas and charts of the step.
-    pub fn readouts(&self) -> Vec<Readout> {
-        if self.events.is_empty() {
-            return Vec::new();
-        }
-        let mut readouts = vec![Readout::Facts(self.facts())];
-        if let Some(Event::Skipped { skipped, .. }) = self.events.last() {
-            readouts.push(Readout::Equation(self.bound_equation(skipped)));
-        } else if let Some(Event::Fit(fit)) = self.events.last() {
-            readouts.push(Readout::Equation(self.parabolas(fit)));
-        } else if let Some((candidate, rows)) = self.shown() {
-            let mut lines = self.equation(candidate, rows);
-            lines.extend(self.rate_lines(candidate));
-            readouts.push(Readout::Equation(lines));
-        }
+    /// The tiles and charts of the step.
+    pub(super) fn charts(&self) -> Vec<Readout> {
+        let mut readouts = Vec::new();
         if let Some((candidate, rows)) = self.shown() {
             // Costs at sub-pixel positions are not on the cost surface, so they come first.
             let tiles = self.subpixel_costs().into_iter().chain(self.tiles(candidate, rows)).collect();
@@ -70,13 +58,8 @@ impl Probe<'_> {
 
     /// The candidates between pixels.
     fn between(&self) -> Vec<BetweenPixels> {
-        let tested = self.events.iter().filter_map(|event| match event {
-            Event::Candidate { tested, .. } if tested.fraction != [0.0; 2] => {
-                Some(BetweenPixels { at: tested.vector(), value: tested.cost as f32 })
-            }
-            _ => None,
-        });
-        tested.collect()
+        let between = self.candidates().map(|(tested, _)| tested).filter(|tested| tested.fraction != [0.0; 2]);
+        between.map(|tested| BetweenPixels { at: tested.vector(), value: tested.cost as f32 }).collect()
     }
 
     /// The unit of the cost; none where the price of the displacement is part of it.
@@ -110,10 +93,7 @@ impl Probe<'_> {
 
     /// The histogram of the motion vectors so far, with this block's own once it is found.
     fn histogram(&self) -> Option<Histogram> {
-        let own = self.events.last().and_then(|event| match event {
-            Event::Found(found) => Some(found),
-            _ => None,
-        });
+        let own = if let Some(Event::Found(found)) = self.events.last() { Some(found) } else { None };
         let vectors: Vec<_> = self.found.iter().chain(own).map(Match::vector).collect();
         Histogram::of(self.counted, &vectors, own.is_some())
     }
@@ -138,58 +118,37 @@ impl Probe<'_> {
         if self.at_hand().is_some() { Role::Candidate } else { Role::Best }
     }
 
-    fn facts(&self) -> Vec<Fact> {
-        let block = self.block();
-        let mut facts = vec![
-            Fact::new(
-                "Block",
-                format!(
-                    "{} of {}, at ({}, {})",
-                    grouped(self.index + 1),
-                    grouped(self.pair.blocks.len()),
-                    block.x,
-                    block.y
-                ),
-                Some(Role::Reference),
-            ),
-            Fact::new("Tested", self.counted(), None),
-        ];
-        let of = |found: Match| format!("{} px, {}", vector(found.vector()), self.cost_of(found));
-        let at_least = |found: Match| format!("{} px, {}", vector(found.vector()), self.settings.bound(found.cost));
-        if let Some(Event::Skipped { skipped, .. }) = self.events.last() {
-            let bound = Match::whole(skipped.displacement, self.bound_of(skipped));
-            facts.push(Fact::new("Candidate", at_least(bound), Some(Role::Candidate)));
+    /// Adds the facts: the block, the candidates tested, the one at hand, and the best.
+    pub(super) fn facts(&self, step: Step) -> Step {
+        let (block, settings, skipped) = (self.block(), &self.settings, self.skipped_here());
+        let between = self.tested() - self.whole_tested();
+        let mut step = step
+            .fact(value::BLOCK, self.index + 1)
+            .put(value::WIDTH, block.width)
+            .put(value::HEIGHT, block.height)
+            .put(value::RANGE, settings.matching.search_range)
+            .put(value::LABEL, settings.label())
+            .put(value::MEASURE, settings.measure())
+            .fact(value::TESTED, self.tested());
+        if let Some(Event::Skipped(skipped)) = self.events.last() {
+            let bound = settings.cost(value::LOWER_BOUND, self.bound_of(skipped));
+            step = step.fact(value::CANDIDATE, skipped.displacement).fact_of(bound);
         } else if let Some((candidate, rows)) = self.at_hand() {
-            let value = if rows < block.height { at_least(candidate) } else { of(candidate) };
-            facts.push(Fact::new("Candidate", value, Some(Role::Candidate)));
+            let cost = if rows < block.height { value::LOWER_BOUND } else { value::COST };
+            step = step.fact(value::CANDIDATE, candidate.vector()).fact_of(settings.cost(cost, candidate.cost));
         }
-        if self.skipped_here() > 0 {
-            let value = counted_share(self.skipped_here(), self.window.count());
-            facts.push(Fact::new("Skipped", value, None));
+        if skipped > 0 {
+            let share = percent(skipped, self.window.count());
+            step = step.fact(value::SKIPPED, skipped).fact(value::SHARE_SKIPPED, share);
         }
         if let Some(best) = self.best() {
-            let label = if self.is_over() { "Displacement" } else { "Best so far" };
-            let role = if self.is_over() { Role::Result } else { Role::Best };
-            facts.push(Fact::new(label, of(best), Some(role)));
+            let at = if self.is_over() { value::DISPLACEMENT } else { value::BEST };
+            step = step.fact_of(settings.cost(value::MINIMUM, best.cost)).fact(at, best.vector());
         }
-        facts
-    }
-
-    /// The number of candidates tested in the window, and at sub-pixel positions.
-    fn counted(&self) -> String {
-        let whole = self.tests().cells().iter().flatten().count();
-        let of_window = format!("{} of {}", grouped(whole), grouped(self.window.count()));
-        match self.tested() - whole {
-            0 => of_window,
-            between => format!("{of_window}, {} between pixels", grouped(between)),
-        }
-    }
-
-    /// The cost of a match, and where it was tested if a parabola has moved the match since.
-    pub(super) fn cost_of(&self, found: Match) -> String {
-        let cost = self.settings.show(found.cost);
-        let is_fitted = self.settings.refinement.subpixel == Subpixel::Parabola && found.fraction != [0.0; 2];
-        if is_fitted { format!("{cost} at {}", vector(found.displacement)) } else { cost }
+        step.fact(value::CANDIDATES, self.window.count())
+            .fact_if(value::BETWEEN, (between > 0).then_some(between))
+            .fact(value::CORNER, (block.x, block.y))
+            .fact(value::BLOCKS, self.pair.blocks.len())
     }
 
     /// The pixels of the block and of the candidate: `(frame t, frame t + 1)`.
@@ -208,45 +167,6 @@ impl Probe<'_> {
         (patch.block, patch.area)
     }
 
-    /// The distortion of a candidate as text: its cost without the rate term.
-    pub(super) fn distortion(&self, candidate: Match) -> String {
-        self.settings.without_rate().number(self.rate.distortion(candidate))
-    }
-
-    /// The rate term of the displacement and the cost with it; nothing for λ = 0.
-    fn rate_lines(&self, candidate: Match) -> Vec<Math> {
-        if self.settings.refinement.lambda == 0.0 {
-            return Vec::new();
-        }
-        let bits = self.rate.bits(candidate.quarters());
-        let sum = Math::Row(vec![
-            Math::text(format!("{} + λR = {} + ", self.settings.matching.cost.label(), self.distortion(candidate))),
-            Math::text(format!("{} · {bits} bits = ", short(self.rate.lambda))),
-            Math::ink(self.shown_role(), self.settings.number(candidate.cost)),
-        ]);
-        let predicted = Math::ink(Role::Predicted, vector(self.rate.predicted_px()));
-        vec![sum, Math::Row(vec![Math::text("R: bits of the difference from the median predictor "), predicted])]
-    }
-
-    /// The minimum of each parabola, with its numbers.
-    fn parabolas(&self, fit: &Fit) -> Vec<Math> {
-        let best = self.best().map_or([0, 0], |best| best.displacement);
-        let along = |i: usize, name: &'static str| {
-            let [before, at, after] = fit.costs[i].filter(has_lowest)?.map(|cost| self.settings.number(cost));
-            Some(Math::Row(vec![
-                Math::Var(name),
-                Math::text(format!(" = {} + ", signed(best[i]))),
-                Math::Frac(
-                    Box::new(Math::text(format!("{before} − {after}"))),
-                    Box::new(Math::text(format!("2 · ({before} − 2 · {at} + {after})"))),
-                ),
-                Math::text(" = "),
-                Math::ink(Role::Best, format!("{} px", fixed((best[i] as f32 + fit.fraction[i]).into(), 2))),
-            ]))
-        };
-        [along(0, "u"), along(1, "v")].into_iter().flatten().collect()
-    }
-
     /// The costs at sub-pixel positions around the best whole-pixel displacement.
     fn subpixel_costs(&self) -> Option<Tile> {
         let steps = self.settings.refinement.subpixel.steps_per_px();
@@ -255,12 +175,7 @@ impl Probe<'_> {
             Subpixel::Quarter => ("cost at ¼ px", 3),
             Subpixel::None | Subpixel::Parabola => return None,
         };
-        let tested = || {
-            self.events.iter().filter_map(|event| match event {
-                Event::Candidate { tested, .. } => Some(*tested),
-                _ => None,
-            })
-        };
+        let tested = || self.candidates().map(|(tested, _)| tested);
         let centre = tested().find(|tested| tested.fraction != [0.0; 2])?.displacement;
         let mut values = Grid::new(2 * reach + 1, 2 * reach + 1, f32::NAN);
         for tested in tested().filter(|tested| tested.displacement == centre) {
@@ -272,86 +187,101 @@ impl Probe<'_> {
         Some(Tile { label, role: None, values, range, framed: Vec::new() })
     }
 
-    fn equation(&self, candidate: Match, rows: usize) -> Vec<Math> {
-        let block = self.block();
-        let (a, b) = self.patches(candidate);
-        let cost = self.settings.matching.cost;
-        let [u, v] = candidate.vector().map(signed);
-        let name = || Math::text(format!("{}({u}, {v}) ", cost.label()));
-        let Some(sum) = cost.sum() else {
-            return self.whole_equation(candidate, &a, &b);
+    /// Adds the formula of the cost of the candidate that is shown, with its numbers.
+    pub(super) fn summed(&self, step: Step) -> Step {
+        let Some((candidate, rows)) = self.shown() else { return step };
+        let ((a, b), cost, [u, v]) = (self.patches(candidate), self.settings.matching.cost, candidate.vector());
+        let distortion = self.rate.distortion(candidate);
+        let step = step.put(value::LABEL, cost.label()).put(value::U, u).put(value::V, v);
+        let step = step.put_value(self.settings.without_rate().cost(value::DISTORTION, distortion));
+        let along = |axis: &str, name: &str, c: f32| match c {
+            0.0 => axis.to_owned(),
+            _ => format!("{axis}{{{name}:signed}}"),
         };
-        let (open, close) = if cost == Cost::Mse { ("1/N · ", "") } else { ("", "") };
-        let difference = Math::Row(vec![
-            Math::indexed(Math::Var("I"), Math::Var("t")),
-            Math::text("(x, y) − "),
-            Math::indexed(Math::Var("I"), Math::text("t+1")),
-            Math::text(format!("(x{}, y{})", offset(candidate.vector()[0]), offset(candidate.vector()[1]))),
-        ]);
-        let general = vec![
-            name(),
-            Math::text(format!("= {open}")),
-            Math::Sum(Box::new(Math::text("x, y"))),
-            term(sum, difference),
-            Math::text(close),
-        ];
-        let numbers = |x: usize, y: usize| {
-            let pair = vec![
-                Math::ink(Role::Reference, a.pixel(x, y).to_string()),
-                Math::text(" − "),
-                Math::ink(self.shown_role(), b.pixel(x, y).to_string()),
-            ];
-            term(sum, Math::Row(pair))
+        let next = format!("I_{{t+1}}({}, {})", along("x", "u", u), along("y", "v", v));
+        let step = match cost.sum() {
+            Some(sum) => {
+                let step = self.sum_of(step.put(value::ROWS_SUMMED, rows), sum, &next, (&a, &b));
+                self.pointed(step, sum, rows, [&a, &b])
+            }
+            None => self.whole_equation(step, &next, &a, &b),
         };
-        let last = (block.width - 1, rows - 1);
-        // A partial sum is a lower bound.
-        let relation = if rows < block.height { "≥ " } else { "= " };
-        let mut terms = vec![Math::text(relation), numbers(0, 0)];
-        if block.width > 1 {
-            terms.extend([Math::text(" + "), numbers(1, 0)]);
-        }
-        if last.0 > 1 || last.1 > 0 {
-            terms.extend([Math::text(" + … + "), numbers(last.0, last.1)]);
-        }
-        let mut result = vec![Math::text(format!("= {}", self.distortion(candidate)))];
-        if cost == Cost::Mse {
-            let n = block.width * block.height;
-            let distortion = self.rate.distortion(candidate);
-            let squares = (distortion * n as f64).round();
-            terms.insert(1, Math::text("1/N · ("));
-            terms.push(Math::text(")"));
-            result = vec![
-                Math::text("= "),
-                Math::Frac(Box::new(Math::text(cost_text(squares))), Box::new(Math::text(n.to_string()))),
-                Math::text(format!(" = {}", self.distortion(candidate))),
-            ];
-        }
-        if rows < block.height {
-            result.push(Math::text(format!("   (first {rows} of {} rows)", block.height)));
-        }
-        let mut lines = vec![Math::Row(general), Math::Row(terms), Math::Row(result)];
-        lines.extend(self.focused_term(&a, &b, rows));
-        lines
+        self.rated(step, candidate)
     }
 
-    /// The term of the pixel pointed at, if it lies in a row of the block that was summed.
-    fn focused_term(&self, a: &Cut, b: &Cut, rows: usize) -> Option<Math> {
-        let block = self.block();
-        let [x, y] = self.focus?.map(|c| c.round() as isize);
-        let (i, j) = (x - block.x as isize, y - block.y as isize);
-        let inside = (0..block.width as isize).contains(&i) && (0..rows as isize).contains(&j);
-        let (i, j) = inside.then_some((i as usize, j as usize))?;
-        let (p, q, sum) = (a.pixel(i, j), b.pixel(i, j), self.settings.matching.cost.sum()?);
-        let numbers = vec![
-            Math::ink(Role::Reference, p.to_string()),
-            Math::text(" − "),
-            Math::ink(self.shown_role(), q.to_string()),
+    /// Adds a sum over the pixels, of which the first rows may be summed only.
+    fn sum_of(&self, step: Step, sum: Sum, next: &str, (a, b): (&Cut, &Cut)) -> Step {
+        let (block, rows) = (self.block(), step.real(value::ROWS_SUMMED) as usize);
+        let (pixels, count) = (block.width * block.height, block.width * rows);
+        let terms = first_and_last(sum, count);
+        let is_mean = self.settings.matching.cost == Cost::Mse;
+        let (over, terms) = if is_mean { (r"1/N \cdot ", format!(r"1/N \cdot ({terms})")) } else { ("", terms) };
+        // A partial sum is a lower bound.
+        let (relation, part) = match rows < block.height {
+            true => (r"\ge", r"\text{   (first }{rows_summed}\text{ of }{height}\text{ rows)}"),
+            false => ("=", ""),
+        };
+        let squares = (step.real(value::DISTORTION) * pixels as f64).round();
+        let mean = if is_mean { r"\frac{{squares}}{{pixels}} = " } else { "" };
+        let step = if is_mean { step.put(value::SQUARES, squares) } else { step };
+        self.pairs(step, count, |i| self.pixels(a, b, i))
+            .put(value::PIXELS, pixels)
+            .formula(format!(
+                r"{{label}}({{u}}, {{v}}) = {over}\sum_{{x, y}} {}",
+                term(sum, &format!("I_t(x, y) - {next}"))
+            ))
+            .formula(format!(r"{relation}\, {terms}"))
+            .formula(format!(r"=\, {mean}{{distortion}}{part}"))
+    }
+
+    /// The gray levels of pixel `i` of the block and of the candidate, row by row.
+    pub(super) fn pixels(&self, a: &Cut, b: &Cut, i: usize) -> [u32; 2] {
+        let width = self.block().width;
+        [a, b].map(|cut| cut.pixel(i % width, i / width).into())
+    }
+
+    /// Puts the first two and the last of `count` pixels or parts of the block and of the candidate.
+    pub(super) fn pairs(&self, step: Step, count: usize, pair: impl Fn(usize) -> [u32; 2]) -> Step {
+        let places = [
+            (0, value::BLOCK_FIRST, value::CANDIDATE_FIRST),
+            (1, value::BLOCK_SECOND, value::CANDIDATE_SECOND),
+            (count.saturating_sub(1), value::BLOCK_LAST, value::CANDIDATE_LAST),
         ];
-        Some(Math::Row(vec![
-            Math::text(format!("at pixel ({x}, {y}):  ")),
-            term(sum, Math::Row(numbers)),
-            Math::text(format!(" = {}", cost_text(sum.term(p, q).into()))),
-        ]))
+        places.into_iter().filter(|(i, ..)| *i < count).fold(step, |step, (i, own, other)| {
+            let [block, candidate] = pair(i);
+            step.put(own, block).put_value(other.is(candidate).inked(self.shown_role()))
+        })
+    }
+
+    /// Adds the term of the pixel pointed at, if it lies in one of the first `rows` of the block.
+    fn pointed(&self, step: Step, sum: Sum, rows: usize, cuts: [&Cut; 2]) -> Step {
+        let focus = self.focus.filter(|point| point.iter().all(|c| *c > -0.5));
+        let Some([x, y]) = focus.map(|point| point.map(|c| c.round() as usize)) else { return step };
+        let Block { x: left, y: top, width, .. } = self.block();
+        if !(left..left + width).contains(&x) || !(top..top + rows).contains(&y) {
+            return step;
+        }
+        let [own, other] = cuts.map(|cut| cut.pixel(x - left, y - top));
+        let shown = term(sum, "{block_pointed} - {candidate_pointed}");
+        step.put(value::POINTED, (x, y))
+            .put(value::BLOCK_POINTED, own)
+            .put_value(value::CANDIDATE_POINTED.is(other).inked(self.shown_role()))
+            .put(value::TERM, sum.term(own, other))
+            .formula(format!(r"\text{{at pixel }}{{pointed}}\text{{:  }}{shown} = {{term}}"))
+    }
+
+    /// Adds the rate term of the displacement and the cost with it; nothing for λ = 0.
+    fn rated(&self, step: Step, candidate: Match) -> Step {
+        if self.settings.refinement.lambda == 0.0 {
+            return step;
+        }
+        step.put(value::LABEL, self.settings.matching.cost.label())
+            .put(value::LAMBDA, self.rate.lambda)
+            .put(value::BITS, self.rate.bits(candidate.quarters()))
+            .put(value::PREDICTOR, self.rate.predicted_px())
+            .put_value(self.settings.cost(value::COST, candidate.cost).inked(self.shown_role()))
+            .formula(r"{label} + \lambda R = {distortion} + {lambda} \cdot {bits:unit} = {cost}")
+            .formula(r"\text{R: bits of the difference from the median predictor }{predictor}")
     }
 
     /// The lower bound of the cost of a skipped candidate, with the rate term.
@@ -360,40 +290,22 @@ impl Probe<'_> {
         self.settings.matching.cost.of(skipped.bound, self.block()) + price
     }
 
-    /// The bound by which a candidate was skipped: its formula, and with the sums of the parts.
-    fn bound_equation(&self, skipped: &Skipped) -> Vec<Math> {
+    /// Adds the formula of the bound by which a candidate was skipped, with the sums of the parts.
+    pub(super) fn bounded(&self, step: Step, skipped: &Skipped) -> Step {
         let (a, b) = self.patches(Match::whole(skipped.displacement, 0.0));
         let [own, others] = [a, b].map(|cut| Parts::of(&cut, skipped.side).sums);
-        let (sum, pixels) = (self.settings.matching.cost.sum().unwrap_or(Sum::Absolute), skipped.side * skipped.side);
-        let [u, v] = skipped.displacement.map(signed);
-        let of_part = |of: Math| Math::indexed(of, Math::Var("k"));
-        let difference = Math::Row(vec![of_part(Math::Var("S")), Math::text(" − "), of_part(Math::text("S′"))]);
-        let mean = if sum == Sum::Squared { format!("1/{pixels} · ") } else { String::new() };
-        let label =
-            if self.settings.matching.cost == Cost::Mse { "N · MSE" } else { self.settings.matching.cost.label() };
-        let general = vec![
-            Math::text(format!("{label}({u}, {v}) ≥ {mean}")),
-            Math::Sum(Box::new(Math::Var("k"))),
-            term(sum, difference),
-        ];
-        let numbers = |k: usize| {
-            let pair = vec![
-                Math::ink(Role::Reference, cost_text(own[k].into())),
-                Math::text(" − "),
-                Math::ink(Role::Candidate, cost_text(others[k].into())),
-            ];
-            term(sum, Math::Row(pair))
-        };
-        let mut terms = vec![Math::text(format!("= {mean}("))];
-        terms.extend(own.first().map(|_| numbers(0)));
-        match own.len() {
-            0 | 1 => {}
-            2 => terms.extend([Math::text(" + "), numbers(1)]),
-            count => terms.extend([Math::text(" + … + "), numbers(count - 1)]),
-        }
-        terms.push(Math::text(")"));
-        let result = Math::text(format!("= {}", cost_text(skipped.bound.into())));
-        vec![Math::Row(general), Math::Row(terms), result]
+        let (cost, [u, v]) = (self.settings.matching.cost, skipped.displacement);
+        let sum = cost.sum().unwrap_or(Sum::Absolute);
+        let mean = if sum == Sum::Squared { r"1/{part_pixels} \cdot " } else { "" };
+        let times = if cost == Cost::Mse { r"N \cdot " } else { "" };
+        let (terms, parts) = (first_and_last(sum, own.len()), term(sum, "S_k - S'_k"));
+        self.pairs(step.put(value::U, u).put(value::V, v), own.len(), |k| [own[k], others[k]])
+            .put(value::LABEL, cost.label())
+            .put(value::PART_PIXELS, skipped.side * skipped.side)
+            .put(value::BOUND_SUM, skipped.bound)
+            .formula(format!(r"{times}{{label}}({{u}}, {{v}}) \ge {mean}\sum_k {parts}"))
+            .formula(format!(r"=\, {mean}({terms})"))
+            .formula(r"=\, {bound_sum}")
     }
 
     fn tiles(&self, candidate: Match, rows: usize) -> Vec<Tile> {
@@ -433,7 +345,7 @@ impl Probe<'_> {
                         tested.push([number, candidate.cost as f32]);
                     }
                 }
-                (Event::Skipped { skipped, .. }, _) => {
+                (Event::Skipped(skipped), _) => {
                     number += 1.0;
                     events.push(i + 1);
                     bounds.push([number, self.bound_of(skipped) as f32]);
@@ -468,22 +380,21 @@ fn ahead(tested: usize) -> usize {
     ends.into_iter().find(|end| *end >= tested).unwrap_or(tested)
 }
 
-/// A displacement added to a coordinate: ` + 3`, ` − 0.50`.
-pub(super) fn offset(v: f32) -> String {
-    match v {
-        0.0 => String::new(),
-        v if v < 0.0 => format!(" − {}", signed(-v)),
-        v => format!(" + {}", signed(v)),
+/// The first two terms of a sum over pixels or parts, and the last.
+fn first_and_last(sum: Sum, count: usize) -> String {
+    let [first, second, last] =
+        ["first", "second", "last"].map(|place| term(sum, &format!("{{block_{place}}} - {{candidate_{place}}}")));
+    match count {
+        0 | 1 => first,
+        2 => format!("{first} + {second}"),
+        _ => format!(r"{first} + {second} + \ldots + {last}"),
     }
 }
 
-fn term(sum: Sum, difference: Math) -> Math {
+fn term(sum: Sum, difference: &str) -> String {
     match sum {
-        Sum::Absolute => Math::Abs(Box::new(difference)),
-        Sum::Squared => {
-            let bracketed = Math::Row(vec![Math::text("("), difference, Math::text(")")]);
-            Math::power(bracketed, Math::text("2"))
-        }
+        Sum::Absolute => format!("|{difference}|"),
+        Sum::Squared => format!("({difference})^2"),
     }
 }
 

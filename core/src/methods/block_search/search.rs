@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::probe::Probe;
 use super::tester::Workspace;
+use super::vocabulary::case;
 use std::any::Any;
 
 use super::{BorderRule, Event, HasSettings, Match, Neighbours, Pair, Pattern, Tester};
@@ -14,7 +15,7 @@ use crate::methods::cost::bounds::PartSums;
 use crate::params::Params;
 use crate::products::{BlockField, Output, Product, ProductKind};
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, TestsCandidates};
-use crate::scene::{Case, Chart, Focus, Name, Question, Role, Scene, Step};
+use crate::scene::{Chart, Focus, Question, Reply, Role, Scene, Step};
 
 /// A search for the displacement of one block. All else that makes it an [`Estimator`] is the same for every one.
 pub trait BlockSearch: Params + HasSettings + Default + Clone + Send + Sync + 'static {
@@ -62,29 +63,16 @@ pub(crate) const QUESTIONS: &[Question] = &[
         "lower",
         "Does the next candidate lower the minimum of the block?",
         &[
-            Case::says(line::COMPUTE_COST, "is below the minimum", "Yes: a new minimum"),
-            Case::says(line::COMPUTE_COST, "exceeds the minimum", "No"),
-            Case::says(line::COMPUTE_COST, "equals the minimum", "It equals the minimum"),
-            Case::at(line::EXIT_EARLY, "No"),
-            Case::at(line::SKIP_CANDIDATE, "No"),
+            Reply::told(line::COMPUTE_COST, case::BELOW, "Yes: a new minimum"),
+            Reply::told(line::COMPUTE_COST, case::ABOVE, "No"),
+            Reply::told(line::COMPUTE_COST, case::EQUAL, "It equals the minimum"),
+            Reply::told(line::COMPUTE_COST, case::EARLY_EXIT, "No"),
+            Reply::at(line::EXIT_EARLY, "No"),
+            Reply::at(line::SKIP_CANDIDATE, "No"),
         ],
     ),
     Question::place("match", "Where is the best match of the block in frame t+1?", line::SET_DISPLACEMENT, Role::Best),
 ];
-
-/// The pseudocode line of `event` in the search of a block of `height` rows.
-fn line_of(event: &Event, height: usize) -> Name {
-    match event {
-        Event::Candidate { rows, .. } if *rows < height => line::EXIT_EARLY,
-        Event::Skipped { line, .. } => *line,
-        Event::Window => line::LAY_WINDOW,
-        Event::Stage { line, .. } => *line,
-        Event::Refine(_) | Event::Fit(_) => line::REFINE_BEST,
-        Event::Found(_) => line::SET_DISPLACEMENT,
-        Event::Candidate { .. } => line::COMPUTE_COST,
-        Event::NewBest { .. } => line::KEEP_BEST,
-    }
-}
 
 /// The pseudocode of a search that tests displacements one by one: its own lines between those that all have.
 macro_rules! search_pseudocode {
@@ -262,9 +250,7 @@ impl<S: BlockSearch> Estimator for S {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        let probe = probe(self, seen);
-        let line = seen.events.last().map_or(line::EACH_BLOCK, |event| line_of(event, probe.block().height));
-        Step { line, sentence: probe.sentence(), readouts: probe.readouts() }
+        probe(self, seen).step(Step::at(line::EACH_BLOCK))
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {

@@ -1,11 +1,12 @@
 //! The parameters that all block searches have, declared once.
 
 use super::Subpixel;
-use crate::base::words::fixed;
+use super::vocabulary::value;
 use crate::data::Interpolation;
 use crate::geometry::Border;
 use crate::methods::cost::{self, Cut, Sum, whole, windows::Windows};
 use crate::products::{Block, BlockField, BlockGrid, BlockVector};
+use crate::scene::{Step, Unit, Value, Variable};
 use crate::{choices, params};
 
 choices! {
@@ -123,7 +124,7 @@ impl Cost {
     }
 
     /// The decimals of the cost: none for sums of whole numbers.
-    fn decimals(self) -> usize {
+    fn decimals(self) -> u8 {
         match self {
             Cost::Sad | Cost::Ssd | Cost::Satd => 0,
             Cost::Mse | Cost::Zsad => 2,
@@ -230,15 +231,17 @@ impl Settings {
         }
     }
 
-    /// A cost with its name: `SAD 120`, `1 − NCC = 0.0120`.
-    pub(crate) fn show(&self, cost: f64) -> String {
-        let equals = if self.label().contains(' ') { " =" } else { "" };
-        format!("{}{equals} {}", self.label(), self.number(cost))
+    /// The name of the cost as it stands before a number: `SAD`, `1 − NCC =`.
+    pub(crate) fn measure(&self) -> String {
+        format!("{}{}", self.label(), if self.label().contains(' ') { " =" } else { "" })
     }
 
-    /// A lower bound of a cost with its name: `SAD ≥ 120`.
-    pub(crate) fn bound(&self, cost: f64) -> String {
-        format!("{} ≥ {}", self.label(), self.number(cost))
+    /// Puts a cost without the rate term, with its name, and the threshold that it is compared with.
+    pub(crate) fn compared(&self, step: Step, distortion: f64, threshold: f64) -> Step {
+        let plain = self.without_rate();
+        step.put(value::MEASURE, plain.measure())
+            .put_value(plain.cost(value::DISTORTION, distortion))
+            .put_value(plain.cost(value::THRESHOLD, threshold))
     }
 
     /// The same without the rate term: costs are distortions.
@@ -247,11 +250,11 @@ impl Settings {
         Self { refinement: Refinement { lambda: 0.0, ..self.refinement }, ..self }
     }
 
-    /// A cost as text, with the decimals of its kind.
-    pub(crate) fn number(&self, cost: f64) -> String {
+    /// A cost as the value of `of`, with the decimals of its kind.
+    pub(crate) fn cost(&self, of: &'static Variable, cost: f64) -> Value {
         let decimals = self.matching.cost.decimals();
         let is_whole = self.refinement.lambda.fract() == 0.0;
-        fixed(cost, if is_whole { decimals } else { decimals.max(2) })
+        of.is(cost).in_unit(Unit::new("", if is_whole { decimals } else { decimals.max(2) }))
     }
 
     /// The name of the cost.

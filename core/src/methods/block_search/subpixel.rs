@@ -1,8 +1,11 @@
 //! The last step of a search: sub-pixel refinement.
 
-use super::{Event, Match, Stage, Tester, around, vector};
+use super::search::line;
+use super::vocabulary::{case, value};
+use super::{Event, Match, Stage, Tester, around};
 use crate::base::Observer;
 use crate::choices;
+use crate::scene::Step;
 
 choices! {
     /// Sub-pixel refinement of the best whole-pixel displacement.
@@ -85,16 +88,13 @@ impl<O: Observer<Event>> Tester<'_, O> {
             let window = self.window;
             let points = all.clone().filter(move |&point| window.holds_quarters(point));
             self.observer.see(|| {
-                let centre = centre.map(|c| c as f32 / 4.0);
-                let name = if step == 2 { "half" } else { "quarter" };
+                let told = Step::at(line::REFINE_BEST).put(value::CENTER, centre.map(|c| c as f32 / 4.0));
+                let told = told.say(if step == 2 { case::HALF_PIXELS } else { case::QUARTER_PIXELS });
                 Event::Refine(Stage {
                     narrowed: None,
                     asked: all.clone().count(),
                     points: points.clone().map(|point| point.map(|c| c as f32 / 4.0)).collect(),
-                    why: format!(
-                        "Sub-pixel refinement: the 8 {name}-pixel positions around {} are tested on the interpolated frame.",
-                        vector(centre)
-                    ),
+                    told: Box::new(told),
                 })
             });
             points.for_each(|point| self.test_position(start, point));
@@ -117,7 +117,7 @@ impl<O: Observer<Event>> Tester<'_, O> {
             let at = self.best();
             centre = Some(at);
             self.announce(around(at, &BESIDE, 1), Event::Refine, || {
-                format!("The parabolas need the costs of the 4 neighbours of {}.", vector(at))
+                Step::at(line::REFINE_BEST).put(value::CENTER, at).say(case::FOR_PARABOLAS)
             });
         }
         let Some(mut best) = self.best else { return };

@@ -1,15 +1,14 @@
 //! The tester: tests candidates in the search window, keeps the minimum, counts, and reports events.
 
-use std::cmp::Ordering;
 use std::sync::Arc;
 
 use super::subpixel::BESIDE;
-use super::{Displacement, Event, Match, Neighbours, Pair, Patch, Rate, Settings, Skipped, Stage, Window, shorter};
+use super::{Displacement, Event, Match, Neighbours, Pair, Patch, Rate, Settings, Skipped, Stage, Window};
 use crate::base::Observer;
 use crate::data::Between;
 use crate::methods::cost::{bounds::PartSums, windows::Windows};
 use crate::products::Block;
-use crate::scene::Name;
+use crate::scene::Step;
 
 /// Buffers reused from block to block.
 #[derive(Default)]
@@ -127,26 +126,14 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
         self.window.index(displacement).is_some_and(|index| !is_set(&self.work.tested, index))
     }
 
-    /// Compares two tested displacements by cost, then by length.
-    pub fn compare(&self, a: Displacement, b: Displacement) -> Ordering {
-        let cost = |displacement| self.known(displacement).unwrap_or(f64::INFINITY);
-        let by_length = if shorter(a, b) { Ordering::Less } else { Ordering::Greater };
-        cost(a).total_cmp(&cost(b)).then(if a == b { Ordering::Equal } else { by_length })
+    /// Reports a decision without candidates: `told` is the reason, at its line of the pseudocode.
+    pub fn report(&mut self, told: impl FnOnce() -> Step) {
+        self.stage(std::iter::empty(), told);
     }
 
-    /// Reports a decision without candidates; `line` is its line of the pseudocode.
-    pub fn report(&mut self, line: Name, why: impl FnOnce() -> String) {
-        self.stage(line, std::iter::empty(), why);
-    }
-
-    /// Tests the candidates `points` in order. `line` is their line of the pseudocode, `why` the reason in words.
-    pub fn stage(
-        &mut self,
-        line: Name,
-        points: impl Iterator<Item = Displacement> + Clone,
-        why: impl FnOnce() -> String,
-    ) {
-        self.announce(points, |stage| Event::Stage { line, stage }, why);
+    /// Tests the candidates `points` in order; `told` is the reason, at its line of the pseudocode.
+    pub fn stage(&mut self, points: impl Iterator<Item = Displacement> + Clone, told: impl FnOnce() -> Step) {
+        self.announce(points, Event::Stage, told);
     }
 
     /// Reports a stage, made an event by `event`, and tests its candidates.
@@ -154,7 +141,7 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
         &mut self,
         points: impl Iterator<Item = Displacement> + Clone,
         event: impl FnOnce(Stage) -> Event,
-        why: impl FnOnce() -> String,
+        told: impl FnOnce() -> Step,
     ) {
         let (window, tested, narrowed) = (self.window, &self.work.tested, self.narrowed);
         self.observer.see(|| {
@@ -166,7 +153,7 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
                     new.push(place);
                 }
             }
-            event(Stage { narrowed, asked: points.clone().count(), points: new, why: why() })
+            event(Stage { narrowed, asked: points.clone().count(), points: new, told: Box::new(told()) })
         });
         points.for_each(|point| self.test(point));
     }
@@ -178,11 +165,11 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
         self.settings.matching.cost.sum_within(self.best_cost() - price, self.block)
     }
 
-    /// Reports a candidate that is skipped, unless it was tested before; `line` is its line of the pseudocode.
+    /// Reports a candidate that is skipped, unless it was tested before.
     #[inline(always)]
-    pub(crate) fn skip(&mut self, line: Name, skipped: Skipped) {
+    pub(crate) fn skip(&mut self, skipped: Skipped) {
         if O::WATCHES && self.is_new(skipped.displacement) {
-            self.observer.see(|| Event::Skipped { line, skipped });
+            self.observer.see(|| Event::Skipped(skipped));
         }
     }
 
@@ -210,10 +197,7 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
         self.tested += 1;
         self.observer.see(|| Event::Candidate { tested: found, rows: self.block.height });
         let before = self.best;
-        let wins = |best: Match| {
-            found.cost < best.cost || found.cost == best.cost && shorter(found.quarters(), best.quarters())
-        };
-        if before.is_none_or(wins) {
+        if before.is_none_or(|best| found.wins(&best)) {
             self.observer.see(|| Event::NewBest { before });
             self.best = Some(found);
         }

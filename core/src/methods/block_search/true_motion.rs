@@ -2,11 +2,11 @@
 
 use std::cmp::Ordering;
 
-use super::explain::vector;
 use super::probe::Probe;
+use super::vocabulary::{case, value};
 use super::whole_window::WholeWindow;
 use super::{Displacement, Match};
-use crate::base::words::fine;
+use crate::scene::Step;
 
 /// A motion vector is called wrong from this distance on from the true motion, in px.
 pub(super) const CLOSE_PX: f32 = 1.0;
@@ -27,47 +27,31 @@ pub(super) enum Standing {
 
 impl Probe<'_> {
     /// The true motion of the block beside the match, where it is known, and why a wrong match was preferred.
-    pub(super) fn true_motion(&self, found: Match) -> String {
-        let Some((truth, off)) = self.true_error(found) else { return String::new() };
-        let why = if off < CLOSE_PX { String::new() } else { self.reason(truth, self.as_tested(found)) };
-        format!(" True motion: {} px; endpoint error {} px.{why}", vector(truth), fine(off))
+    pub(super) fn true_motion(&self, step: Step, found: Match) -> Step {
+        let Some((truth, off)) = self.true_error(found) else { return step };
+        let step = step.put(value::TRUE_MOTION, truth).put(value::ENDPOINT_ERROR, off).say(case::TRUTH);
+        if off < CLOSE_PX { step } else { self.reason(step, truth, self.as_tested(found)) }
     }
 
     /// Why the match is not the true displacement.
-    fn reason(&self, truth: [f32; 2], found: Match) -> String {
-        let range = self.settings.matching.search_range;
+    fn reason(&self, step: Step, truth: [f32; 2], found: Match) -> Step {
         let at = match self.standing(truth) {
             Standing::Candidate(at) => at,
-            Standing::BeyondRange => {
-                return format!(
-                    " The true motion lies beyond the search range of ±{range} px, so it is no candidate: a larger range would \
-                     contain it."
-                );
-            }
-            Standing::OutsidePicture => {
-                return " Displaced by the true motion, the block leaves the picture: it is no candidate.".into();
-            }
+            Standing::BeyondRange => return step.say(case::BEYOND_RANGE),
+            Standing::OutsidePicture => return step.say(case::OUTSIDE_PICTURE),
         };
-        let Some(true_cost) = self.full_search().cost(at).filter(|_| at != found.displacement) else {
-            return String::new();
-        };
-        let place = if truth.iter().all(|c| c.fract() == 0.0) {
-            String::new()
-        } else {
-            format!(", rounded to {},", vector(at))
-        };
-        let shown = self.settings.show(true_cost);
-        match true_cost.total_cmp(&found.cost) {
-            Ordering::Less => format!(" The true displacement{place} costs less, {shown}, but was not tested."),
-            Ordering::Equal => format!(" The true displacement{place} costs the same."),
-            Ordering::Greater => match self.hidden_share() {
-                share if share >= OCCLUDED => format!(
-                    " The true displacement{place} costs more, {shown}; {:.0} % of the block is occluded in frame t+1.",
-                    100.0 * share
-                ),
-                _ => format!(" The true displacement{place} costs more, {shown}."),
+        let Some(true_cost) = self.full_search().cost(at).filter(|_| at != found.displacement) else { return step };
+        let is_rounded = truth.iter().any(|c| c.fract() != 0.0);
+        let step = step.put(value::TRUE_CANDIDATE, at).put_value(self.settings.cost(value::TRUE_COST, true_cost));
+        let step = step.put(value::OCCLUDED, 100.0 * self.hidden_share());
+        step.say(case::TRUE_DISPLACEMENT).say_if(is_rounded, case::ROUNDED).say(
+            match true_cost.total_cmp(&found.cost) {
+                Ordering::Less => case::NOT_TESTED,
+                Ordering::Equal => case::COSTS_THE_SAME,
+                Ordering::Greater if self.hidden_share() >= OCCLUDED => case::OCCLUDED,
+                Ordering::Greater => case::COSTS_MORE,
             },
-        }
+        )
     }
 
     /// Whether the true displacement is a candidate that costs less than the match, so that a test would have found it.

@@ -1,73 +1,56 @@
 //! The formulas of costs that need the whole block: means, transform coefficients, moments.
 
-use super::explain::signed;
+use super::Cost;
 use super::probe::Probe;
-use super::readouts::offset;
-use super::{Cost, Match};
-use crate::base::words::fixed;
+use super::vocabulary::value;
 use crate::geometry::Grid;
 use crate::methods::cost::{Cut, whole};
-use crate::scene::{Math, Role};
+use crate::scene::{Number, Step};
+
+/// The difference of a pixel of the block from the mean of the block.
+const OFF_MEAN: &str = r"(I_t(x, y) - \bar{I_t})";
 
 impl Probe<'_> {
-    /// The formula of the cost, and with the numbers of block `a` and candidate `b`.
-    pub(super) fn whole_equation(&self, candidate: Match, a: &Cut, b: &Cut) -> Vec<Math> {
-        let [u, v] = candidate.vector().map(signed);
-        let name = Math::text(format!("{}({u}, {v}) = ", self.settings.matching.cost.label()));
-        let result = Math::text(format!("= {}", self.distortion(candidate)));
-        let mut lines = match self.settings.matching.cost {
-            Cost::Satd => vec![hadamard(), self.first_coefficients(a, b)],
-            Cost::Ncc => vec![correlation(candidate.vector()), self.moments(a, b)],
-            _ => vec![zero_mean(candidate.vector()), self.off_means(a, b)],
+    /// Adds the formula of the cost, and with the numbers of block `a` and candidate `b`; `next` is the pixel of the candidate.
+    pub(super) fn whole_equation(&self, step: Step, next: &str, a: &Cut, b: &Cut) -> Step {
+        let (pixels, stride) = b.rows();
+        let off_mean = format!(r"({next} - \bar{{I_{{t+1}}}})");
+        let named = |formula: String| format!("{{label}}({{u}}, {{v}}) = {formula}");
+        let step = match self.settings.matching.cost {
+            Cost::Satd => {
+                let coefficients = whole::coefficients(a, pixels, stride, (0, 0))[0].into_iter().collect::<Number>();
+                step.put(value::COEFFICIENTS, coefficients)
+                    .formula(named(r"\frac{1}{2}\, \sum_{\text{4×4}} \sum_{i, j} |(HDH)_{i, j}|".into()))
+                    .formula(r"=\, \frac{1}{2} \cdot ({coefficients:sum} + \ldots)")
+            }
+            Cost::Ncc => {
+                let count = (self.block().width * self.block().height) as f64;
+                let [own, others, both] = whole::moments(a, pixels, stride).map(|moment| moment as f64 / count);
+                let above = format!(r"\sum_{{x, y}} {OFF_MEAN} \cdot {off_mean}");
+                let below = format!(r"\sum_{{x, y}} {OFF_MEAN}^2 \cdot \sum_{{x, y}} {off_mean}^2");
+                step.put(value::BLOCK_VARIANCE, own)
+                    .put_value(value::CANDIDATE_VARIANCE.is(others).inked(self.shown_role()))
+                    .put(value::COVARIANCE, both)
+                    .formula(named(format!(r"1 - \frac{{{above}}}{{\sqrt{{{below}}}}}")))
+                    .formula(r"=\, 1 - \frac{{covariance}}{\sqrt{{block_variance} \cdot {candidate_variance}}}")
+            }
+            _ => {
+                let [own, others] = self.means(a, b);
+                let (first, last) = (off_means("first"), off_means("last"));
+                self.pairs(step, self.block().width * self.block().height, |i| self.pixels(a, b, i))
+                    .put(value::BLOCK_MEAN, own)
+                    .put(value::CANDIDATE_MEAN, others)
+                    .formula(named(format!(r"\sum_{{x, y}} |{OFF_MEAN} - {off_mean}|")))
+                    .formula(format!(r"=\, {first} + \ldots + {last}"))
+            }
         };
-        lines[0] = Math::Row(vec![name, lines[0].clone()]);
-        lines.push(result);
-        lines
+        step.formula(r"=\, {distortion}")
     }
 
     /// The means of block and candidate.
     fn means(&self, a: &Cut, b: &Cut) -> [f64; 2] {
-        let block = self.block();
-        let places = || (0..block.height).flat_map(|y| (0..block.width).map(move |x| (x, y)));
-        [a, b].map(|cut| {
-            let sum: u32 = places().map(|(x, y)| u32::from(cut.pixel(x, y))).sum();
-            f64::from(sum) / (block.width * block.height) as f64
-        })
-    }
-
-    fn off_means(&self, a: &Cut, b: &Cut) -> Math {
-        let [mean_a, mean_b] = self.means(a, b);
-        let term = |x: usize, y: usize| {
-            Math::Abs(Box::new(Math::Row(vec![
-                Math::text("("),
-                Math::ink(Role::Reference, a.pixel(x, y).to_string()),
-                Math::text(format!(" − {mean_a:.2}) − (")),
-                Math::ink(self.shown_role(), b.pixel(x, y).to_string()),
-                Math::text(format!(" − {mean_b:.2})")),
-            ])))
-        };
-        let block = self.block();
-        Math::Row(vec![Math::text("= "), term(0, 0), Math::text(" + … + "), term(block.width - 1, block.height - 1)])
-    }
-
-    fn first_coefficients(&self, a: &Cut, b: &Cut) -> Math {
-        let (pixels, stride) = b.rows();
-        let [first, ..] = whole::coefficients(a, pixels, stride, (0, 0));
-        let shown = first.map(|coefficient| coefficient.to_string()).join(" + ");
-        Math::Row(vec![
-            Math::text("= "),
-            Math::Frac(Box::new(Math::text("1")), Box::new(Math::text("2"))),
-            Math::text(format!(" · ({shown} + …)")),
-        ])
-    }
-
-    fn moments(&self, a: &Cut, b: &Cut) -> Math {
-        let (pixels, stride) = b.rows();
-        let count = (self.block().width * self.block().height) as f64;
-        let [of_a, of_b, both] = whole::moments(a, pixels, stride).map(|moment| fixed(moment as f64 / count, 0));
-        let below = vec![Math::ink(Role::Reference, of_a), Math::text(" · "), Math::ink(self.shown_role(), of_b)];
-        let root = Math::root(Math::Row(below));
-        Math::Row(vec![Math::text("= 1 − "), Math::Frac(Box::new(Math::text(both)), Box::new(root))])
+        let count = self.block().width * self.block().height;
+        [0, 1].map(|of| (0..count).map(|i| f64::from(self.pixels(a, b, i)[of])).sum::<f64>() / count as f64)
     }
 
     /// The contribution of each pixel to the cost, its name, and its largest possible value.
@@ -87,52 +70,7 @@ impl Probe<'_> {
     }
 }
 
-/// The difference of a pixel from the mean of its block.
-fn off_mean_of_current() -> Math {
-    Math::Row(vec![
-        Math::text("("),
-        Math::indexed(Math::Var("I"), Math::Var("t")),
-        Math::text("(x, y) − "),
-        Math::mean(Math::indexed(Math::Var("I"), Math::Var("t"))),
-        Math::text(")"),
-    ])
-}
-
-/// The same of the candidate's pixel.
-fn off_mean_of_next(displacement: [f32; 2]) -> Math {
-    Math::Row(vec![
-        Math::text("("),
-        Math::indexed(Math::Var("I"), Math::text("t+1")),
-        Math::text(format!("(x{}, y{}) − ", offset(displacement[0]), offset(displacement[1]))),
-        Math::mean(Math::indexed(Math::Var("I"), Math::text("t+1"))),
-        Math::text(")"),
-    ])
-}
-
-fn zero_mean(displacement: [f32; 2]) -> Math {
-    let difference = vec![off_mean_of_current(), Math::text(" − "), off_mean_of_next(displacement)];
-    Math::Row(vec![Math::Sum(Box::new(Math::text("x, y"))), Math::Abs(Box::new(Math::Row(difference)))])
-}
-
-fn hadamard() -> Math {
-    let transform = Math::Row(vec![Math::Var("H"), Math::Var("D"), Math::Var("H")]);
-    let bracketed = Math::Row(vec![Math::text("("), transform, Math::text(")")]);
-    Math::Row(vec![
-        Math::Frac(Box::new(Math::text("1")), Box::new(Math::text("2"))),
-        Math::text(" "),
-        Math::Sum(Box::new(Math::text("4×4"))),
-        Math::Sum(Box::new(Math::text("i, j"))),
-        Math::Abs(Box::new(Math::indexed(bracketed, Math::text("i, j")))),
-    ])
-}
-
-fn correlation(displacement: [f32; 2]) -> Math {
-    let sum = |what: Vec<Math>| Math::Row([vec![Math::Sum(Box::new(Math::text("x, y")))], what].concat());
-    let (current, next) = (off_mean_of_current(), off_mean_of_next(displacement));
-    let square = |base: &Math| Math::power(base.clone(), Math::text("2"));
-    let below = vec![sum(vec![square(&current)]), Math::text(" · "), sum(vec![square(&next)])];
-    Math::Row(vec![
-        Math::text("1 − "),
-        Math::Frac(Box::new(sum(vec![current, Math::text(" · "), next])), Box::new(Math::root(Math::Row(below)))),
-    ])
+/// The difference of two pixels, each from the mean of its block.
+fn off_means(place: &str) -> String {
+    format!("|({{block_{place}}} - {{block_mean}}) - ({{candidate_{place}}} - {{candidate_mean}})|")
 }

@@ -10,7 +10,7 @@ use crate::products::ModelField;
 use crate::products::model::{IDENTITY, Matrix3, Model, Support, inverse, normalised, product};
 use crate::products::path::{bend, corner_error};
 use crate::run::{GlobalModel, Granularity, Span, Stage, StageView, need};
-use crate::scene::{Case, Question, Reading};
+use crate::scene::{Question, Reading, Reply};
 
 /// The lines of the pseudocode that chain the motions.
 pub(crate) mod pairs_line {
@@ -35,12 +35,12 @@ pub(crate) const DIRECTION: Question = Question::choice(
     "direction",
     "Does the background move up or down in the next pair?",
     &[
-        Case::over(
+        Reply::over(
             Reading { line: pairs_line::ESTIMATE, after: ", ", before: ") px at the centre", unit: "px" },
             0.0,
             "Down",
         ),
-        Case::says(pairs_line::ESTIMATE, "px at the centre", "Up"),
+        Reply::says(pairs_line::ESTIMATE, "px at the centre", "Up"),
     ],
 )
 .unless(LEVEL);

@@ -1,18 +1,65 @@
 //! The conclusion at the end of a run: how good a dense flow field is, where it is worst, and why there.
 
-use super::{FramePair, Tensor, numbers};
-use crate::base::words;
+use super::{FramePair, Tensor};
 use crate::data::Flow;
 use crate::geometry::Sampling;
+use crate::scene::{Case, Role, Step, Unit};
 
-/// What would help where a method fails, as whole sentences.
+/// What would help where a method fails.
 pub struct Advice {
     /// Where the window or pixel has too little texture, or only an edge.
-    pub texture: &'static str,
+    pub texture: &'static Case,
     /// At motion boundaries.
-    pub boundary: &'static str,
+    pub boundary: &'static Case,
     /// Where the motion is larger than the linearisation reaches.
-    pub motion: &'static str,
+    pub motion: &'static Case,
+}
+
+crate::variables! {
+    /// The share of the pixels with flow.
+    DENSITY: "Density", "", Unit::WHOLE_PERCENT;
+    /// The mean endpoint error of the flow field.
+    MEAN_ERROR: "Mean endpoint error", "", Unit::SUBPIXEL, Role::Error;
+    /// The mean residual |I(x + w, t+1) − I(x, t)| of the flow field.
+    MEAN_RESIDUAL: "Mean residual", "", Unit::GRAY, Role::Error;
+    /// The largest endpoint error of a pixel.
+    LARGEST_ERROR: "Largest error", "", Unit::SUBPIXEL;
+    /// The largest residual of a pixel.
+    LARGEST_RESIDUAL: "Largest residual", "", Unit::GRAY;
+    /// The pixel with the largest error or residual.
+    WORST_PIXEL: "Worst pixel", "", Unit::WHOLE;
+    /// The larger eigenvalue of the structure tensor at the worst pixel.
+    WORST_LAMBDA_1: "λ₁ there", r"\lambda_1", Unit::GRAY;
+    /// The smaller eigenvalue of the structure tensor at the worst pixel.
+    WORST_LAMBDA_2: "λ₂ there", r"\lambda_2", Unit::GRAY;
+    /// The largest difference of the flow of the worst pixel from that of its neighbours.
+    NEIGHBOUR_DIFFERENCE: "Difference of neighbouring flows", "", Unit::SUBPIXEL;
+    /// The length of the true motion at the worst pixel.
+    TRUE_LENGTH: "True motion there", "", Unit::SUBPIXEL;
+    /// The change of the gray level along the true motion at the worst pixel.
+    BRIGHTNESS_CHANGE: "Change of brightness there", "", Unit::GRAY;
+}
+
+crate::cases! { over value;
+    NOT_EVALUATED: "End of the run: flow at {density} of the pixels, none of which can be evaluated.",
+    SPARSE_ERROR: "End of the run: flow at {density} of the pixels, mean endpoint error {mean_error}.",
+    DENSE_ERROR: "End of the run: mean endpoint error {mean_error}.",
+    SPARSE_RESIDUAL: "End of the run: flow at {density} of the pixels, mean residual |I(x + w, t+1) − I(x, t)| = {mean_residual} (no \
+                      true flow is loaded).",
+    DENSE_RESIDUAL: "End of the run: mean residual |I(x + w, t+1) − I(x, t)| = {mean_residual} (no true flow is loaded).",
+    WORST_BY_ERROR: "The largest error, {largest_error}, is at pixel {worst_pixel}",
+    WORST_BY_RESIDUAL: "The largest residual, {largest_residual}, is at pixel {worst_pixel}",
+    OUTSIDE: ": the motion leads out of frame t+1, so there is no match.",
+    FLAT: ": no texture (λ₁ = {worst_lambda_1:bare}, λ₂ = {worst_lambda_2:bare}), so there is no constraint.",
+    EDGE: ": an edge (λ₁ = {worst_lambda_1:bare}, λ₂ = {worst_lambda_2:bare}), so only the normal component is constrained.",
+    WEAK: ": weak texture (λ₁ = {worst_lambda_1:bare}, λ₂ = {worst_lambda_2:bare}), no stronger than what noise of 3 gray levels makes \
+           of a plain.",
+    BOUNDARY: ", where neighbouring flows differ by {neighbour_difference}: a motion boundary or an outlier.",
+    LARGE: ": its true motion of {true_length} may be larger than the linearisation reaches.",
+    BRIGHTNESS: ", where the gray level changes by {brightness_change:bare} along the true motion: the brightness is not constant, or the \
+                 place is hidden in frame t+1. A cost that is invariant to gain and offset, such as ZNCC in block matching, tolerates a \
+                 change of brightness.",
+    UNEXPLAINED: ".",
 }
 
 /// The quality of a flow field: its endpoint error where the true flow is known, else its residual.
@@ -97,34 +144,27 @@ impl Conclusion {
         Self { has_truth, density, pixels, mean: (sum / pixels.max(1) as f64) as f32, worst }
     }
 
-    /// The conclusion in words, after what was said before.
-    pub fn sentence(&self, advice: &Advice) -> String {
-        let unit = if self.has_truth { "px" } else { "gray levels" };
-        let number = |value: f32| if self.has_truth { numbers::px(value) } else { numbers::gray(value) };
-        let density = format!("flow at {:.0} % of the pixels", 100.0 * self.density);
+    /// Adds the conclusion to the last step of a run.
+    pub fn tell(&self, step: Step, advice: &Advice) -> Step {
+        let step = step.put(value::DENSITY, 100.0 * self.density);
         if self.pixels == 0 {
-            return format!(" End of the run: {density}, none of which can be evaluated.");
+            return step.say(case::NOT_EVALUATED);
         }
         // A dense field covers all pixels: nothing to report.
-        let density = if self.density < 1.0 { format!("{density}, ") } else { String::new() };
-        let quality = match self.has_truth {
-            true => format!("mean endpoint error {} px", number(self.mean)),
-            false => format!(
-                "mean residual |I(x + w, t+1) − I(x, t)| = {} gray levels (no true flow is loaded)",
-                number(self.mean)
-            ),
+        let (step, said) = match (self.has_truth, self.density < 1.0) {
+            (true, true) => (step.put(value::MEAN_ERROR, self.mean), case::SPARSE_ERROR),
+            (true, false) => (step.put(value::MEAN_ERROR, self.mean), case::DENSE_ERROR),
+            (false, true) => (step.put(value::MEAN_RESIDUAL, self.mean), case::SPARSE_RESIDUAL),
+            (false, false) => (step.put(value::MEAN_RESIDUAL, self.mean), case::DENSE_RESIDUAL),
         };
-        let said = format!(" End of the run: {density}{quality}.");
-        match &self.worst {
-            Some(Worst { place, size, cause }) => format!(
-                "{said} The largest {}, {} {unit}, is at pixel {}{}",
-                if self.has_truth { "error" } else { "residual" },
-                number(*size),
-                words::pixel(*place),
-                cause.sentence(advice)
-            ),
-            None => said,
-        }
+        let step = step.say(said);
+        let Some(Worst { place, size, cause }) = &self.worst else { return step };
+        let step = step.put(value::WORST_PIXEL, *place);
+        let step = match self.has_truth {
+            true => step.put(value::LARGEST_ERROR, *size).say(case::WORST_BY_ERROR),
+            false => step.put(value::LARGEST_RESIDUAL, *size).say(case::WORST_BY_RESIDUAL),
+        };
+        cause.tell(step, advice)
     }
 }
 
@@ -186,40 +226,19 @@ fn tensor(frames: &FramePair, places: impl Iterator<Item = (usize, usize)>) -> T
 }
 
 impl Cause {
-    fn sentence(&self, advice: &Advice) -> String {
-        let eigenvalues =
-            |[large, small]: [f32; 2]| format!("λ₁ = {}, λ₂ = {}", numbers::gray(large), numbers::gray(small));
-        match self {
-            Cause::Outside => ": the motion leads out of frame t+1, so there is no match.".into(),
-            Cause::Flat(pair) => {
-                format!(": no texture ({}), so there is no constraint. {}", eigenvalues(*pair), advice.texture)
-            }
-            Cause::Edge(pair) => format!(
-                ": an edge ({}), so only the normal component is constrained. {}",
-                eigenvalues(*pair),
-                advice.texture
-            ),
-            Cause::Weak(pair) => format!(
-                ": weak texture ({}), no stronger than what noise of 3 gray levels makes of a plain. {}",
-                eigenvalues(*pair),
-                advice.texture
-            ),
-            Cause::Boundary(px) => format!(
-                ", where neighbouring flows differ by {} px: a motion boundary or an outlier. {}",
-                numbers::px(*px),
-                advice.boundary
-            ),
-            Cause::Large(px) => format!(
-                ": its true motion of {} px may be larger than the linearisation reaches. {}",
-                numbers::px(*px),
-                advice.motion
-            ),
-            Cause::Brightness(change) => format!(
-                ", where the gray level changes by {} along the true motion: the brightness is not constant, or the place is hidden in \
-                 frame t+1. A cost that is invariant to gain and offset, such as ZNCC in block matching, tolerates a change of brightness.",
-                numbers::gray(*change)
-            ),
-            Cause::Unknown => ".".into(),
+    fn tell(&self, step: Step, advice: &Advice) -> Step {
+        let of = |step: Step, [large, small]: [f32; 2]| {
+            step.put(value::WORST_LAMBDA_1, large).put(value::WORST_LAMBDA_2, small)
+        };
+        match *self {
+            Cause::Outside => step.say(case::OUTSIDE),
+            Cause::Flat(pair) => of(step, pair).say(case::FLAT).say(advice.texture),
+            Cause::Edge(pair) => of(step, pair).say(case::EDGE).say(advice.texture),
+            Cause::Weak(pair) => of(step, pair).say(case::WEAK).say(advice.texture),
+            Cause::Boundary(px) => step.put(value::NEIGHBOUR_DIFFERENCE, px).say(case::BOUNDARY).say(advice.boundary),
+            Cause::Large(px) => step.put(value::TRUE_LENGTH, px).say(case::LARGE).say(advice.motion),
+            Cause::Brightness(change) => step.put(value::BRIGHTNESS_CHANGE, change).say(case::BRIGHTNESS),
+            Cause::Unknown => step.say(case::UNEXPLAINED),
         }
     }
 }
@@ -231,7 +250,20 @@ mod tests {
     use super::*;
     use crate::geometry::Grid;
 
-    const ADVICE: Advice = Advice { texture: "T.", boundary: "B.", motion: "M." };
+    mod advice {
+        crate::cases! { pub(super) TEXTURE: "T.", BOUNDARY: "B.", MOTION: "M." }
+    }
+
+    const ADVICE: Advice = {
+        use advice::case::{BOUNDARY, MOTION, TEXTURE};
+        Advice { texture: TEXTURE, boundary: BOUNDARY, motion: MOTION }
+    };
+
+    crate::line_names!(END);
+
+    fn told(conclusion: &Conclusion) -> String {
+        conclusion.tell(Step::at(END), &ADVICE).sentence.plain()
+    }
 
     fn pair(truth: Option<[f32; 2]>, value: impl Fn(usize, usize) -> f32) -> FramePair {
         let picture = || Grid::from_fn(20, 16, &value);
@@ -244,17 +276,14 @@ mod tests {
     }
 
     fn said(frames: &FramePair, flow: impl Fn(usize, usize) -> [f32; 2]) -> String {
-        Conclusion::new(frames, &Flow(Grid::from_fn(20, 16, flow)), 1.0).sentence(&ADVICE)
+        told(&Conclusion::new(frames, &Flow(Grid::from_fn(20, 16, flow)), 1.0))
     }
 
     #[test]
     fn the_reason_is_that_of_the_worst_pixel() {
         let truth = Some([3.0, 0.0]);
         let large = said(&pair(truth, waves), |x, y| if (x, y) == (8, 8) { [0.0; 2] } else { [3.0, 0.0] });
-        assert!(
-            large.contains("3.000 px, is at pixel (8,\u{a0}8): its true motion of 3.000 px may be larger"),
-            "{large}"
-        );
+        assert!(large.contains("3.000 px, is at pixel (8, 8): its true motion of 3.000 px may be larger"), "{large}");
         let outside = said(&pair(truth, waves), |x, _| if x == 19 { [0.0; 2] } else { [3.0, 0.0] });
         assert!(outside.contains("leads out of frame t+1"), "{outside}");
         let flat = said(&pair(truth, |_, _| 90.0), |_, _| [0.0; 2]);
@@ -273,9 +302,9 @@ mod tests {
     #[test]
     fn a_motion_out_of_reach_is_the_reason_on_one_level() {
         let (frames, still) = (pair(Some([6.0, 0.0]), |_, _| 90.0), Flow(Grid::new(20, 16, [0.0; 2])));
-        let one_level = Conclusion::new(&frames, &still, 1.0).sentence(&ADVICE);
+        let one_level = told(&Conclusion::new(&frames, &still, 1.0));
         assert!(one_level.contains("its true motion of 6.000 px") && one_level.ends_with("M."), "{one_level}");
-        let pyramid = Conclusion::new(&frames, &still, 4.0).sentence(&ADVICE);
+        let pyramid = told(&Conclusion::new(&frames, &still, 4.0));
         assert!(pyramid.contains("no texture") && pyramid.ends_with("T."), "{pyramid}");
     }
 

@@ -1,9 +1,36 @@
 //! Formulas, facts and image patches that explain derivatives and gradient constraints.
 
-use super::numbers::{factor, fixed, gray, px, summand};
+use super::numbers::{PX_DECIMALS, factor, fixed, gray};
 use super::{Derivatives, Linear};
+use crate::base::words;
 use crate::geometry::{Grid, Sampling};
-use crate::scene::{Constraint, Fact, Math, Role, Section, Tile};
+use crate::scene::{Constraint, Fact, Math, Role, Section, Step, Tile, Unit, Value};
+use crate::variables;
+
+/// The unit of an image gradient.
+pub const GRADIENT_UNIT: Unit = Unit::new("gray levels per px", 2);
+
+variables! { pub mod value;
+    /// The inspected pixel.
+    PIXEL: "Pixel", r"\mathbf{x}", Unit::WHOLE, Role::Reference;
+    /// The derivatives of the brightness along x, y and t at the pixel.
+    DERIVATIVES: "I_x, I_y, I_t", r"(I_x, I_y, I_t)", Unit::new("", 2);
+    /// The derivative of the brightness along x at the pixel.
+    I_X: "", "I_x", GRADIENT_UNIT, Role::Reference;
+    /// The derivative of the brightness along y at the pixel.
+    I_Y: "", "I_y", GRADIENT_UNIT, Role::Reference;
+    /// The derivative of the brightness along t at the pixel: its change from frame to frame.
+    I_T: "", "I_t", Unit::new("gray levels per frame", 2), Role::Reference;
+    /// The magnitude of the image gradient at the pixel.
+    GRADIENT: "Gradient |∇I|", r"|\nabla I|", GRADIENT_UNIT;
+    /// The true flow at the pixel.
+    TRUE_FLOW: "True flow", "", Unit::SUBPIXEL, Role::Truth;
+}
+
+/// Adds the gradient constraint of a step with derivatives, in symbols and with their numbers.
+pub fn constraint(step: Step) -> Step {
+    step.formula("I_x u + I_y v + I_t = 0").formula("{i_x} u {i_y:signed} v {i_t:signed} = 0")
+}
 
 /// I_x, I_y or I_t as a formula.
 pub fn derivative(along: &'static str) -> Math {
@@ -13,36 +40,6 @@ pub fn derivative(along: &'static str) -> Math {
 /// The decimals of derivatives in a formula: one more where any is below 1, so that the shown numbers give the shown result.
 fn decimals(derivatives: [f32; 3]) -> usize {
     if derivatives.iter().any(|d| d.abs() < 1.0) { 3 } else { 2 }
-}
-
-/// The gradient constraint, in symbols and with the derivatives of one pixel.
-pub fn constraint_equation([a, b, c]: [f32; 3], role: Role) -> [Math; 2] {
-    let symbols = Math::Row(vec![
-        derivative("x"),
-        Math::text(" "),
-        Math::Var("u"),
-        Math::text(" + "),
-        derivative("y"),
-        Math::text(" "),
-        Math::Var("v"),
-        Math::text(" + "),
-        derivative("t"),
-        Math::text(" = 0"),
-    ]);
-    let shown = |derivative: f32| fixed(derivative, decimals([a, b, c]));
-    let numbers = Math::Row(vec![
-        Math::ink(role, shown(a)),
-        Math::text(" "),
-        Math::Var("u"),
-        Math::text(" "),
-        Math::ink(role, summand(shown(b))),
-        Math::text(" "),
-        Math::Var("v"),
-        Math::text(" "),
-        Math::ink(role, summand(shown(c))),
-        Math::text(" = 0"),
-    ]);
-    [symbols, numbers]
 }
 
 /// The constraint line of a pixel in the (u, v) plane; `None` without gradient, which allows any flow.
@@ -142,9 +139,16 @@ impl Derivatives {
         [self.x[place], self.y[place], self.t[place]]
     }
 
-    /// Returns a fact with I_x, I_y and I_t of a pixel.
-    pub fn fact(&self, place: (usize, usize)) -> Fact {
-        derivatives_fact(self.at(place))
+    /// Puts the derivatives of a pixel.
+    pub fn put(&self, step: Step, place: (usize, usize)) -> Step {
+        let all = self.at(place);
+        let shown = |value: Value| {
+            let unit = value.unit.name;
+            value.in_unit(Unit::new(unit, decimals(all) as u8))
+        };
+        let step = step.fact(value::PIXEL, place).fact(value::DERIVATIVES, all);
+        let parts = [value::I_X, value::I_Y, value::I_T].into_iter().zip(all);
+        parts.fold(step, |step, (of, derivative)| step.put_value(shown(of.is(derivative))))
     }
 
     /// Returns patches of both frames and their derivatives within `radius` px of a pixel.
@@ -194,8 +198,16 @@ impl Linear {
         if !t.is_finite() {
             return [symbols, Math::text("unknown: (u₀, v₀) leads out of frame t+1")];
         }
-        let shown = |derivative: f32| fixed(derivative, decimals([x, y, t]));
-        let times = |a: f32, b: f32| Math::ink(role, format!("{} · {}", factor(shown(a)), factor(px(b))));
+        let (few, c) = (decimals([x, y, t]), self.factors.at(place)[2]);
+        let further = words::further_digits(|further| {
+            let [x, y, t] = [x, y, t].map(|of| words::rounded(of.into(), few + further));
+            let [u, v] = [u, v].map(|of| words::rounded(of.into(), PX_DECIMALS + further));
+            words::fixed(t - x * u - y * v, few) == fixed(c, few)
+        });
+        let shown = |of: f32| fixed(of, few + further);
+        let times = |a: f32, b: f32| {
+            Math::ink(role, format!("{} · {}", factor(shown(a)), factor(fixed(b, PX_DECIMALS + further))))
+        };
         let numbers = Math::Row(vec![
             Math::text("= "),
             Math::ink(role, shown(t)),
@@ -204,7 +216,7 @@ impl Linear {
             Math::text(" − "),
             times(y, v),
             Math::text(" = "),
-            Math::ink(role, shown(self.factors.at(place)[2])),
+            Math::ink(role, fixed(c, few)),
         ]);
         [symbols, numbers]
     }

@@ -8,13 +8,12 @@ use super::select::{Peaks, Settings, choose, largest, rank};
 use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::{Clip, Frame};
 use crate::geometry::{Gray, Grid};
-use crate::methods::differential::Tensor;
 use crate::params::{Params, inner_params};
 use crate::products::{Feature, Keypoint, Output, PointField, Product, ProductKind};
 use crate::run::{
     Cursor, Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen,
 };
-use crate::scene::{Chart, Focus, Math, Question, Role, Scene, Step};
+use crate::scene::{Case, Chart, Focus, Question, Role, Scene, Step};
 
 /// A corner measure: the response as a function of the structure tensor.
 pub trait Measure: Params + Default + Clone + Send + Sync + 'static {
@@ -33,11 +32,14 @@ pub trait Measure: Params + Default + Clone + Send + Sync + 'static {
     /// Returns the displayed value of a response, compressed so that weak responses stay visible.
     fn shown(response: f32) -> f32;
 
-    /// Returns the response in symbols and in numbers.
-    fn equation(&self, tensor: &Tensor) -> [Math; 2];
+    /// Writes the response of a step in symbols and in numbers.
+    fn formulas(&self, step: Step, tensor: [f32; 3]) -> Step;
 
-    /// Explains sign and size of a response by the eigenvalues, as a whole sentence; with both below `flat` a pixel lies in a flat area.
-    fn meaning(&self, eigenvalues: [f32; 2], response: f32, flat: f32) -> String;
+    /// Whether a pixel that is not flat has gradients in two directions.
+    fn is_corner(&self, eigenvalues: [f32; 2], response: f32) -> bool;
+
+    /// The beginnings of the sentence about a response: in a flat area, at an edge and at a corner.
+    const MEANING: [&'static Case; 3];
 }
 
 /// The corner detector with the measure `M`.

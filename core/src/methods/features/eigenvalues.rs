@@ -89,8 +89,11 @@ fn boundary(of: &impl Fn([f32; 2]) -> f32, level: f32, reach: f32) -> Option<Vec
 
 #[cfg(test)]
 mod tests {
+    use super::super::declare::line;
+    use super::super::explain::meaning;
     use super::*;
     use crate::families::interest_points::{Harris, ShiTomasi};
+    use crate::scene::Step;
 
     fn pixel(eigenvalues: [f32; 2], threshold: Option<f32>) -> Pixel {
         Pixel { name: "(1, 2)".into(), eigenvalues, threshold, flat: 5.0 }
@@ -120,16 +123,18 @@ mod tests {
         assert!(line.iter().all(|[a, b]| (a.min(*b) - 2.0).abs() < 1e-3), "{line:?}");
     }
 
+    fn told(measure: &impl Measure, eigenvalues: [f32; 2], response: f32) -> String {
+        let step = meaning(measure, Step::at(line::RESPOND), eigenvalues, (response, 5.0));
+        step.sentence.plain()
+    }
+
     #[test]
     fn weak_gradients_in_two_directions_are_a_flat_area() {
         let harris = Harris::default();
         for [large, small] in [[0.47, 0.07], [4.85, 2.55]] {
             let response = harris.response([large, 0.0, small]);
             assert!(response > 0.0);
-            let said = [
-                harris.meaning([large, small], response, 5.0),
-                ShiTomasi::default().meaning([large, small], small, 5.0),
-            ];
+            let said = [told(&harris, [large, small], response), told(&ShiTomasi::default(), [large, small], small)];
             for said in said {
                 assert!(said.contains("flat area") && !said.contains("corner"), "{said}");
             }
@@ -139,7 +144,7 @@ mod tests {
             let [x, y] = all.points[0].2;
             assert!(x < line[1][0] && y < line[1][1] && all.names.iter().any(|(name, _)| *name == "flat"));
         }
-        assert!(harris.meaning([40.0, 30.0], harris.response([40.0, 0.0, 30.0]), 5.0).contains("corner"));
+        assert!(told(&harris, [40.0, 30.0], harris.response([40.0, 0.0, 30.0])).contains("corner"));
     }
 
     #[test]

@@ -1,14 +1,14 @@
 //! The explanation and the drawing of corner detection.
 
 use super::corners::{Corners, Event, Measure, Stage, State};
-use super::declare::line;
+use super::declare::{Status, be, case, line, value};
 use super::eigenvalues::{self, Pixel};
-use super::select::{Peaks, Selection, Settings};
-use crate::base::words::{self, pixel};
+use super::select::{Selection, Settings};
+use crate::base::words::pixel;
 use crate::geometry::Grid;
-use crate::methods::differential::{Tensor, explain, numbers};
+use crate::methods::differential::{Tensor, explain};
 use crate::run::Seen;
-use crate::scene::{Fact, Math, Name, Picture, Readout, Role, Scene, Sentence, Shape, Step, Surface, Tile};
+use crate::scene::{Picture, Readout, Role, Scene, Shape, Step, Surface, Tile, Unit};
 
 fn point((x, y): (usize, usize)) -> [f32; 2] {
     [x as f32, y as f32]
@@ -23,6 +23,29 @@ struct Probe {
     response: f32,
     /// The eigenvalue below which noise alone may be the gradient.
     flat: f32,
+}
+
+/// The unit of the parts of a formula: that of responses, with the fewest further decimals with which the numbers as they are written
+/// give `result` as it is written.
+pub(crate) fn unit_of_parts<const N: usize>(parts: [f32; N], result: f32, formula: impl Fn([f64; N]) -> f64) -> Unit {
+    const MOST: u8 = 4;
+    let is_true = |unit: &Unit| {
+        let written = parts.map(|part| value::RESPONSE.is(part).in_unit(*unit).rounded().unwrap_or(f64::NAN));
+        value::RESPONSE.is(formula(written)).bare() == value::RESPONSE.is(result).bare()
+    };
+    let units = (0..MOST).map(|further| Unit::RESPONSE.finer(further));
+    units.into_iter().find(is_true).unwrap_or(Unit::RESPONSE.finer(MOST))
+}
+
+/// Says what the eigenvalues of a pixel and its response show; with both eigenvalues below `flat` it lies in a flat area.
+pub(super) fn meaning<M: Measure>(of: &M, step: Step, eigenvalues: [f32; 2], (response, flat): (f32, f32)) -> Step {
+    let nature = match () {
+        () if eigenvalues[0] < flat => 0,
+        () if !of.is_corner(eigenvalues, response) => 1,
+        () => 2,
+    };
+    let step = step.put(value::RESPONSE, response).put(value::FLAT_LIMIT, flat);
+    step.say(M::MEANING[nature]).say([case::FLAT, case::EDGE, case::CORNER][nature])
 }
 
 impl<M: Measure> Corners<M> {
@@ -40,20 +63,14 @@ impl<M: Measure> Corners<M> {
         let is_pointed_at = place != at_work;
         let tensors = self.tensors(state);
         let (tensor, flat) = (tensors.at(place), tensors.flat_below());
-        let response = self.0.response([tensor.xx, tensor.xy, tensor.yy]);
-        Some(Probe { place, is_pointed_at, tensor, response, flat })
+        let of_tensor = || self.0.response([tensor.xx, tensor.xy, tensor.yy]);
+        Some(Probe { place, is_pointed_at, tensor, response: response(seen, place).unwrap_or_else(of_tensor), flat })
     }
 
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
-        let Some(last) = seen.events.last() else {
-            let sentence = "A corner has gradients in two directions, so it can be located and tracked without the aperture \
-                            problem. The eigenvalues λ₁ ≥ λ₂ of the structure tensor measure this: both large means corner, \
-                            one large means edge, none means flat.";
-            return Step {
-                line: line::TAKE_DERIVATIVES,
-                sentence: Sentence::default().text(sentence),
-                readouts: Vec::new(),
-            };
+        let Some(last) = seen.events.last() else { return Step::at(line::TAKE_DERIVATIVES).say(case::OPENING) };
+        let Some(probe) = self.probe(seen) else {
+            return Step::at(line::EACH_PEAK).fact(value::LOCAL_MAXIMA, 0).say(case::NO_MAXIMA);
         };
         let at_work = match last {
             Event::Response(_) => line::RESPOND,
@@ -63,195 +80,119 @@ impl<M: Measure> Corners<M> {
             Event::Peak(_, Some(_)) => line::DROP_NEAR,
             Event::Peak(_, None) => line::KEEP,
         };
-        let probe = self.probe(seen);
+        let status = (seen.before.stage != Stage::Response).then(|| self.status(seen, probe.place));
         // Sentence, numbers and line refer to one pixel.
-        let (line, sentence) = match &probe {
-            Some(probe) if probe.is_pointed_at && seen.before.stage == Stage::Response => {
-                (line::RESPOND, self.responds(probe))
-            }
-            Some(probe) if probe.is_pointed_at => {
-                let (line, verdict) = self.verdict(seen, probe);
-                (line, self.responds(probe).text(format!(" Status: {verdict}.")))
-            }
-            probe => (at_work, self.concluded(seen, self.sentence(seen, *last, probe.as_ref()))),
+        let line = match &status {
+            Some(status) if probe.is_pointed_at => status.line,
+            None if probe.is_pointed_at => line::RESPOND,
+            _ => at_work,
         };
-        let readouts = probe.map_or_else(
-            || vec![Readout::Facts(vec![Fact::new("Local maxima", "none", None)])],
-            |probe| self.readouts(seen, &probe),
+        let step = self.measured(seen, Step::at(line), (&probe, status.as_ref()));
+        let step = match (last, status) {
+            (_, Some(status)) if probe.is_pointed_at => status.say(self.responds(step, &probe)),
+            (Event::Response(_), _) | (_, None) => self.responds(step, &probe),
+            (Event::Row, _) => self.strong(seen, step),
+            (Event::Over(_, by), _) => {
+                over(seen, step.put_value(value::PIXEL.is(probe.place).inked(role_of(*by))), *by)
+            }
+            (Event::Ranked, _) => step.say(case::RANKED),
+            (Event::Peak(_, near), _) => chosen(seen, step, (probe.place, *near)),
+        };
+        let step = if probe.is_pointed_at { step } else { self.concluded(seen, step) };
+        self.charted(seen, step, &probe)
+    }
+
+    /// Puts tensor and response of a pixel, the limits of the selection and what became of the pixel.
+    fn measured(&self, seen: &Seen<Self>, step: Step, (probe, status): (&Probe, Option<&Status>)) -> Step {
+        let (state, Tensor { xx, xy, yy, .. }) = (seen.before, probe.tensor);
+        let Settings { threshold, selection: Selection { max_points, min_distance }, .. } = self.0.settings();
+        let [large, small] = probe.tensor.eigenvalues();
+        let step = step.fact(value::PIXEL, probe.place).fact(value::TENSOR, [xx, xy, yy]);
+        let step = step.fact(value::LAMBDA_1, large).fact(value::LAMBDA_2, small).fact(value::RESPONSE, probe.response);
+        let step = step.formula(
+            r"\mathbf{T} = \begin{pmatrix} \sum w\,I_x^2 & \sum w\,I_x I_y \\ \sum w\,I_x I_y & \sum w\,I_y^2 \end{pmatrix}",
         );
-        Step { line, sentence, readouts }
+        let step = self.0.formulas(step, [xx, xy, yy]);
+        let Some(status) = status else { return step };
+        let step = step.fact(value::THRESHOLD, self.peaks(state).limit).fact(value::STATUS, status.words);
+        let step = step.put(value::QUALITY, 100.0 * threshold).put(value::LARGEST_RESPONSE, state.largest);
+        let (step, maxima) = (step.put(value::ROW, state.row), state.peaks.len());
+        let step = step.put(value::LOCAL_MAXIMA, maxima).put(value::BE, be(maxima));
+        step.put(value::MAX_POINTS, max_points).put(value::MIN_DISTANCE, min_distance)
     }
 
     /// Explains eigenvalues and response of a pixel.
-    fn responds(&self, probe: &Probe) -> Sentence {
-        let eigenvalues = probe.tensor.eigenvalues();
-        let [large, small] = eigenvalues.map(numbers::response);
-        Sentence::default()
-            .ink(Role::Reference, format!("Pixel {}", pixel(probe.place)))
-            .text(format!(": eigenvalues λ₁ = {large} and λ₂ = {small}. "))
-            .text(self.0.meaning(eigenvalues, probe.response, probe.flat))
+    fn responds(&self, step: Step, probe: &Probe) -> Step {
+        let step = step.say(case::EIGENVALUES);
+        meaning(&self.0, step, probe.tensor.eigenvalues(), (probe.response, probe.flat))
+    }
+
+    /// Explains which responses of a row reach the threshold.
+    fn strong(&self, seen: &Seen<Self>, step: Step) -> Step {
+        let (row, count) = (seen.before.row, self.peaks(seen.before).over(seen.before.row).count());
+        match count {
+            0 if row == 0 || row + 1 == seen.before.map.height() => step.say(case::BORDER),
+            0 => step.say(case::ALL_BELOW),
+            _ => step.put(value::RESPONSES, count).put(value::BE, be(count)).say(case::REACHED),
+        }
     }
 
     /// Adds the conclusion at the end of a run.
-    fn concluded(&self, seen: &Seen<Self>, sentence: Sentence) -> Sentence {
-        let Some(after) = seen.after.filter(|_| seen.before.stage == Stage::Choice) else { return sentence };
-        let (Some(first), Some(last)) = (after.kept.first(), after.kept.last()) else { return sentence };
-        let response = |index: u32| numbers::response(after.map[after.place(index)]);
-        let kept = words::counted(after.kept.len(), "corner");
-        let maxima = match after.peaks.len() {
-            1 => "1 local maximum".to_owned(),
-            count => format!("{count} local maxima"),
-        };
-        let responses = match after.kept.len() {
-            1 => format!("response {}", response(*first)),
-            _ => format!("responses {} to {}", response(*first), response(*last)),
-        };
-        let help = self.0.settings().selection.advice(after.kept.len(), after.peaks.len());
-        sentence.text(format!(" End of the run: {kept} from {maxima}, {responses}. {help}"))
+    fn concluded(&self, seen: &Seen<Self>, step: Step) -> Step {
+        let Some(after) = seen.after.filter(|_| seen.before.stage == Stage::Choice) else { return step };
+        let (Some(first), Some(last)) = (after.kept.first(), after.kept.last()) else { return step };
+        let response = |index: u32| after.map[after.place(index)];
+        let step = step.put(value::KEPT, after.kept.len()).put(value::LOCAL_MAXIMA, after.peaks.len());
+        let step = step.put(value::FIRST_RESPONSE, response(*first)).put(value::LAST_RESPONSE, response(*last));
+        let step = step.say(if after.kept.len() == 1 { case::END_WITH_ONE } else { case::END });
+        step.say(self.0.settings().selection.advice(after.kept.len(), after.peaks.len()))
     }
 
-    fn sentence(&self, seen: &Seen<Self>, event: Event, probe: Option<&Probe>) -> Sentence {
-        let (state, peaks, said) = (seen.before, self.peaks(seen.before), Sentence::default());
-        let Settings { threshold, selection: Selection { max_points, min_distance }, .. } = self.0.settings();
-        match event {
-            Event::Response(_) => match probe {
-                Some(probe) => self.responds(probe),
-                None => said.text("The response of each pixel is a function of its structure tensor."),
-            },
-            Event::Row if peaks.over(state.row).next().is_none() => said.text(
-                match state.row == 0 || state.row + 1 == state.map.height() {
-                    true => format!(
-                        "Row {} is the image border: without all eight neighbours no pixel can be a local maximum.",
-                        state.row
-                    ),
-                    false => format!(
-                        "Row {}: no response reaches the threshold R = {}, {} of the largest response {}.",
-                        state.row,
-                        numbers::response(peaks.limit),
-                        words::percent(threshold),
-                        numbers::response(state.largest)
-                    ),
-                },
-            ),
-            Event::Row => said.text(format!(
-                "Row {}: {} at least the threshold R = {}, {} of the largest response {}. Non-maximum suppression follows.",
-                state.row,
-                match peaks.over(state.row).count() {
-                    1 => "1 response is".to_owned(),
-                    count => format!("{count} responses are"),
-                },
-                numbers::response(peaks.limit),
-                words::percent(threshold),
-                numbers::response(state.largest)
-            )),
-            Event::Over(place, by) => over(&peaks, place, by),
-            Event::Ranked if state.peaks.is_empty() => said.text(
-                "No response is a local maximum above the threshold, so there are no corners: the frame has no texture, \
-                 or only edges.",
-            ),
-            Event::Ranked => said.text(format!(
-                "{} ranked by response. In this order at most {max_points} become corners (the maximum number of points), each at least \
-                 {min_distance} px (the minimum distance) from those kept before.",
-                match state.peaks.len() {
-                    1 => "1 local maximum is".to_owned(),
-                    count => format!("{count} local maxima are"),
-                }
-            )),
-            Event::Peak(peak, near) => self.chosen(seen, peak, near),
-        }
-    }
-
-    /// Explains the selection of a local maximum.
-    fn chosen(&self, seen: &Seen<Self>, peak: u32, near: Option<u32>) -> Sentence {
-        let state = seen.before;
-        let response = |peak: u32| state.map[state.place(peak)];
-        let with = format!(", R = {},", numbers::response(response(peak)));
-        let said = Sentence::default().text("Local maximum ");
-        let Some(near) = near else {
-            let count = seen.events.iter().filter(|event| matches!(event, Event::Peak(_, None))).count();
-            return said
-                .ink(Role::Result, pixel(state.place(peak)))
-                .text(format!("{with} has no stronger corner within the minimum distance: kept as corner {count}."));
-        };
-        let why = if response(near) > response(peak) {
-            format!("has the larger response {}", numbers::response(response(near)))
-        } else {
-            "has an equal response and comes first".into()
-        };
-        said.ink(Role::Rejected, pixel(state.place(peak)))
-            .text(format!(
-                "{with} is closer than the minimum distance ({} px) to corner ",
-                self.0.settings().selection.min_distance
-            ))
-            .ink(Role::Result, pixel(state.place(near)))
-            .text(format!(", which {why}: rejected."))
-    }
-
-    fn readouts(&self, seen: &Seen<Self>, probe: &Probe) -> Vec<Readout> {
-        let (state, Probe { place, tensor, response, .. }) = (seen.before, probe);
-        let fact = |label, value: String, role| Fact::new(label, value, role);
-        let [large, small] = tensor.eigenvalues().map(numbers::response);
-        let Tensor { xx, xy, yy, .. } = *tensor;
-        let [a, b, c] = [xx, xy, yy].map(numbers::response);
-        let mut facts = vec![
-            fact("Pixel", pixel(*place), Some(Role::Reference)),
-            fact("Σ w I_x², Σ w I_x I_y, Σ w I_y²", format!("{a}, {b}, {c} (Σ w = 1)"), None),
-            fact("Eigenvalues λ₁, λ₂", format!("{large} and {small}"), None),
-            fact("Response R", numbers::response(*response), Some(Role::Result)),
-        ];
-        if state.stage != Stage::Response {
-            facts.push(fact("Threshold", numbers::response(self.peaks(state).limit), None));
-            facts.push(fact("Status", self.verdict(seen, probe).1, None));
-        }
+    /// Adds the charts of a pixel.
+    fn charted(&self, seen: &Seen<Self>, step: Step, probe: &Probe) -> Step {
+        let (state, place) = (seen.before, probe.place);
         let tile = |label, values: Grid<f32>, range| Tile { label, role: None, values, range, framed: Vec::new() };
         let radius = (self.0.settings().window / 2 + 1).min(5);
-        let [symbols, numbers] = self.0.equation(tensor);
-        let mut tiles = vec![tile("Frame t", explain::around(state.picture.luma(), *place, radius), [0.0, 255.0])];
-        if state.stage != Stage::Response {
-            let shown = explain::around(&state.map.map(|response| M::shown(*response)), *place, radius);
+        let mut tiles = vec![tile("Frame t", explain::around(state.picture.luma(), place, radius), [0.0, 255.0])];
+        let threshold = (state.stage != Stage::Response).then(|| self.peaks(state).limit);
+        if threshold.is_some() {
+            let shown = explain::around(&state.map.map(|response| M::shown(*response)), place, radius);
             let most = shown.cells().iter().filter(|v| v.is_finite()).fold(1.0f32, |most, v| most.max(*v));
             tiles.push(tile("Response, compressed", shown, [0.0, most]));
         }
-        let threshold = (state.stage != Stage::Response).then(|| self.peaks(state).limit);
-        let inspected = Pixel { name: pixel(*place), eigenvalues: tensor.eigenvalues(), threshold, flat: probe.flat };
-        let mut readouts = vec![
-            Readout::Facts(facts),
-            Readout::Equation(vec![matrix(), symbols, numbers]),
-            Readout::Regions(eigenvalues::regions(&self.0, inspected)),
-            Readout::Tiles(tiles),
-        ];
-        readouts.extend(hills(seen, *place).map(Readout::Landscape));
-        readouts
+        let eigenvalues = probe.tensor.eigenvalues();
+        let inspected = Pixel { name: pixel(place), eigenvalues, threshold, flat: probe.flat };
+        let step = step.show(Readout::Regions(eigenvalues::regions(&self.0, inspected))).show(Readout::Tiles(tiles));
+        step.show_all(hills(seen, place).map(Readout::Landscape))
     }
 
-    /// Returns the status of a pixel after the response stage, and the line that decided it.
-    fn verdict(&self, seen: &Seen<Self>, probe: &Probe) -> (Name, String) {
-        let (state, peaks, place) = (seen.before, self.peaks(seen.before), probe.place);
+    /// Returns what became of a pixel after the response stage.
+    fn status(&self, seen: &Seen<Self>, place: (usize, usize)) -> Status {
+        let (state, peaks) = (seen.before, self.peaks(seen.before));
+        let status = |line, words, case, by| Status { line, words, case, by };
         if !peaks.is_over(place.0, place.1) {
             let (width, height) = state.map.size();
             let is_border = place.0 == 0 || place.1 == 0 || place.0 + 1 == width || place.1 + 1 == height;
             let why = if is_border { "image border, no local maximum" } else { "below the threshold" };
-            return (line::EACH_STRONG, why.into());
+            return status(line::EACH_STRONG, why, case::HAS_STATUS, None);
         }
         if let Some(by) = peaks.suppressed_by(place) {
-            return (line::SUPPRESS, format!("suppressed by {}", pixel(by)));
+            return status(line::SUPPRESS, "suppressed", case::HAS_NEIGHBOUR, Some(by));
         }
-        let Selection { min_distance, max_points } = self.0.settings().selection;
         let index = (place.1 * state.map.width() + place.0) as u32;
         let choice = seen.events.iter().find_map(|event| match event {
             Event::Peak(peak, near) if *peak == index => Some(*near),
             _ => None,
         });
         match choice {
-            Some(None) => (line::KEEP, "corner".into()),
-            Some(Some(near)) => (
-                line::DROP_NEAR,
-                format!("local maximum, rejected within {min_distance} px of {}", pixel(state.place(near))),
-            ),
-            None if seen.after.is_some() && state.stage == Stage::Choice => {
-                (line::KEEP, format!("local maximum, not among the {max_points} strongest"))
+            Some(None) => status(line::KEEP, "corner", case::HAS_STATUS, None),
+            Some(Some(near)) => {
+                status(line::DROP_NEAR, "local maximum, rejected", case::HAS_NEAR, Some(state.place(near)))
             }
-            None => (line::SUPPRESS, "local maximum".into()),
+            None if seen.after.is_some() && state.stage == Stage::Choice => {
+                status(line::KEEP, "local maximum", case::IS_BEYOND, None)
+            }
+            None => status(line::SUPPRESS, "local maximum", case::HAS_STATUS, None),
         }
     }
 
@@ -368,35 +309,46 @@ impl State {
     }
 }
 
-/// Non-maximum suppression of a pixel that reaches the threshold; `by` is the neighbour that suppresses it.
-fn over(peaks: &Peaks<'_>, place: (usize, usize), by: Option<(usize, usize)>) -> Sentence {
-    let (said, response) = (Sentence::default(), |place| numbers::response(peaks.map[place]));
-    let limit = numbers::response(peaks.limit);
-    let Some(by) = by else {
-        return said.ink(Role::Best, format!("Pixel {}", pixel(place))).text(format!(
-            ": R = {} reaches the threshold of {limit} and no neighbour has a larger response: a local maximum.",
-            response(place)
-        ));
-    };
-    said.ink(Role::Rejected, format!("Pixel {}", pixel(place)))
-        .text(format!(": R = {} reaches the threshold of {limit}, but neighbour ", response(place)))
-        .ink(Role::Best, pixel(by))
-        .text(if peaks.map[by] > peaks.map[place] {
-            format!(" has the larger response {}: suppressed.", response(by))
-        } else {
-            " has an equal response and comes first: suppressed.".into()
-        })
+/// The role of a pixel that reaches the threshold; `by` is the neighbour that suppresses it.
+fn role_of(by: Option<(usize, usize)>) -> Role {
+    if by.is_some() { Role::Rejected } else { Role::Best }
 }
 
-/// The structure tensor in symbols.
-fn matrix() -> Math {
-    let product =
-        |parts: Vec<Math>| Math::Row([vec![Math::text("Σ "), Math::Var("w"), Math::text(" ")], parts].concat());
-    let squared = |along| product(vec![Math::power(explain::derivative(along), Math::text("2"))]);
-    let mixed = || product(vec![explain::derivative("x"), explain::derivative("y")]);
-    Math::Row(vec![
-        Math::Bold("T"),
-        Math::text(" = "),
-        Math::Matrix(vec![vec![squared("x"), mixed()], vec![mixed(), squared("y")]]),
-    ])
+/// Explains the non-maximum suppression of a pixel; `by` is the neighbour that suppresses it.
+fn over<M: Measure>(seen: &Seen<Corners<M>>, step: Step, by: Option<(usize, usize)>) -> Step {
+    let Some(by) = by else { return step.say(case::MAXIMUM) };
+    let other = seen.before.map[by];
+    let is_larger = f64::from(other) > step.real(value::RESPONSE);
+    let step = step.put(value::NEIGHBOUR, by).put(value::OTHER_RESPONSE, other).say(case::SUPPRESSED);
+    step.say(if is_larger { case::BY_LARGER } else { case::BY_EQUAL })
+}
+
+/// Explains the selection of a local maximum; `near` is the corner that rejects it.
+fn chosen<M: Measure>(seen: &Seen<Corners<M>>, step: Step, (place, near): ((usize, usize), Option<u32>)) -> Step {
+    let role = if near.is_some() { Role::Rejected } else { Role::Result };
+    let step = step.put_value(value::PIXEL.is(place).inked(role)).say(case::TESTED);
+    let Some(near) = near else {
+        let count = seen.events.iter().filter(|event| matches!(event, Event::Peak(_, None))).count();
+        return step.put(value::KEPT, count).say(case::KEPT_AS);
+    };
+    let near = seen.before.place(near);
+    let other = seen.before.map[near];
+    let is_larger = f64::from(other) > step.real(value::RESPONSE);
+    let step = step.put(value::NEAR_CORNER, near).put(value::OTHER_RESPONSE, other).say(case::IS_NEAR);
+    step.say(if is_larger { case::TO_LARGER } else { case::TO_EQUAL })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_formula_has_the_digits_that_make_it_true() {
+        let decimals = |parts: [f32; 2]| {
+            let unit = unit_of_parts(parts, parts[0] + parts[1], |[a, b]| a + b);
+            parts.map(|part| value::RESPONSE.is(part).in_unit(unit).bare())
+        };
+        assert_eq!(decimals([54.28, -7.16]), ["54.28", "−7.16"]);
+        assert_eq!(decimals([54.2834, 7.1634]), ["54.283", "7.163"], "54.28 + 7.16 = 61.44, but the sum is 61.4468");
+    }
 }

@@ -22,7 +22,8 @@ pub(crate) mod trails;
 
 pub use conclusion::{conclusion, reason_of};
 pub use corners::{Corners, Measure};
-pub(crate) use declare::{KEPT, corner_pseudocode};
+pub(crate) use declare::{KEPT, Status, be, case, corner_pseudocode, value};
+pub(crate) use explain::unit_of_parts;
 pub use keypoints::draw_keypoints;
 pub use level_trace::{LevelTrace, why};
 pub use select::{Selection, Settings, choose, spread};

@@ -1,9 +1,11 @@
 //! Selection of features from a response map: threshold, non-maximum suppression, minimum distance.
 
+use super::declare::case;
 use crate::geometry::Grid;
 use crate::methods::differential::{Scheme, Weights};
 use crate::params;
 use crate::products::PointField;
+use crate::scene::Case;
 
 params! {
     /// Limits that all detectors of points share.
@@ -18,13 +20,11 @@ params! {
 
 impl Selection {
     /// What keeps more points at the end of a run that kept `kept` of `candidates`.
-    pub fn advice(&self, kept: usize, candidates: usize) -> &'static str {
+    pub fn advice(&self, kept: usize, candidates: usize) -> &'static Case {
         match kept < candidates {
-            false => "All local maxima are kept; a lower threshold finds weaker ones.",
-            true if kept >= self.max_points => {
-                "The maximum number of points is reached; a larger value keeps weaker ones."
-            }
-            true => "A smaller minimum distance keeps more corners; a lower threshold also finds weaker ones.",
+            false => case::ALL_KEPT,
+            true if kept >= self.max_points => case::AT_MOST,
+            true => case::APART,
         }
     }
 }
@@ -241,7 +241,7 @@ mod tests {
 
     #[test]
     fn only_the_limit_that_was_reached_is_to_be_raised() {
-        let advice = |kept, candidates| Selection { min_distance: 0, max_points: 5 }.advice(kept, candidates);
+        let advice = |kept, candidates| Selection { min_distance: 0, max_points: 5 }.advice(kept, candidates).text;
         assert!(advice(5, 9).contains("maximum number") && !advice(5, 9).contains("distance"));
         assert!(advice(5, 5).contains("All local maxima") && advice(3, 9).contains("minimum distance"));
     }

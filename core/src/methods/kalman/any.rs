@@ -227,6 +227,13 @@ fn distance<const N: usize, const M: usize>(
     estimate.innovation(&sensor, &measured).map(|innovation| innovation.squared_distance)
 }
 
+fn log_density<const N: usize, const M: usize>(
+    estimate: &Estimate<N>,
+    (sensor, measured): (Sensor<N, M>, SVector<f64, M>),
+) -> Option<f64> {
+    estimate.innovation(&sensor, &measured).map(|innovation| innovation.log_likelihood())
+}
+
 fn numbers_of<const N: usize, const M: usize>(
     estimate: &Estimate<N>,
     (sensor, measured): (Sensor<N, M>, SVector<f64, M>),
@@ -442,6 +449,15 @@ impl Filter {
         with!(self, |_motion, estimate| match measurement.velocity {
             None => distance(estimate, measurement.of_place()),
             Some(velocity) => distance(estimate, measurement.of_both(velocity)),
+        })
+    }
+
+    /// Returns ln N(ν; 0, S) of a measurement; of interacting modes, the normal distribution with their moments. `None` where
+    /// [`Filter::updated`] is.
+    pub fn log_density(&self, measurement: &Measurement) -> Option<f64> {
+        with!(self, |_motion, estimate| match measurement.velocity {
+            None => log_density(estimate, measurement.of_place()),
+            Some(velocity) => log_density(estimate, measurement.of_both(velocity)),
         })
     }
 

@@ -3,6 +3,9 @@
 use super::chi_square;
 use crate::scene::{Picture, Shape, Surface};
 
+/// Cells along a side of a density.
+pub(super) const SIDE: usize = 61;
+
 /// Returns the ellipse around `center` that contains the share `p` of a 2-D normal distribution; `None` if it is not finite.
 pub fn ellipse(center: [f64; 2], covariance: [[f64; 2]; 2], p: f64) -> Option<Shape> {
     let [[xx, xy], [_, yy]] = covariance;
@@ -21,8 +24,6 @@ pub fn density(
     (center, covariance): ([f64; 2], [[f64; 2]; 2]),
     (on, middle, reach): (Picture, [f64; 2], f64),
 ) -> Option<Surface> {
-    /// Cells along a side.
-    const SIDE: usize = 61;
     if !(reach > 0.0 && reach.is_finite()) {
         return None;
     }

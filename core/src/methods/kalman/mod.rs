@@ -6,6 +6,7 @@ pub mod chi_square;
 mod consistency;
 mod ellipse;
 mod filter;
+mod hill;
 pub mod interacting;
 mod motion;
 pub mod unscented;
@@ -14,7 +15,8 @@ pub use any::{
     AssociationNumbers, Filter, Measurement, Model, MotionModel, Noises, PredictionNumbers, Sigma, UpdateNumbers,
 };
 pub use consistency::ConsistencyTest;
-pub use ellipse::{density, ellipse};
+pub use ellipse::ellipse;
 pub use filter::{Association, Estimate, Innovation, Prediction, Sensor, Smoothed, Update, smoothed};
+pub use hill::Surroundings;
 pub use interacting::{Interacting, Mixing, Modes};
 pub use motion::{Acceleration, Motion, Nonlinear, Turn, Velocity};

@@ -1,6 +1,7 @@
 //! Multi-object tracking: sources of detections, track management, and what steps say of them.
 
 pub(crate) mod chances;
+pub(crate) mod density;
 pub mod directions;
 pub(crate) mod dynamics;
 pub(crate) mod explain;

@@ -9,7 +9,7 @@ use crate::data::{Clip, Detection};
 use crate::params::{Params, inner_params};
 use crate::products::{ObjectField, ObjectFrame, Output, Product, ProductKind, objects::score::FrameErrors};
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Case, Chart, Focus, Question, Role, Scene, Sentence, Step};
+use crate::scene::{Chart, Focus, Question, Reply, Role, Scene, Sentence, Step};
 
 /// Names of the lines of pseudocode that trackers by assignment have.
 mod line {
@@ -21,9 +21,9 @@ pub(crate) const ASSOCIATED: Question = Question::choice(
     "associated",
     "What becomes of the next track?",
     &[
-        Case::at(line::UPDATE_TRACK, "It is updated"),
-        Case::says(line::COAST_OR_END, "is deleted", "It is deleted"),
-        Case::at(line::COAST_OR_END, "It coasts"),
+        Reply::at(line::UPDATE_TRACK, "It is updated"),
+        Reply::says(line::COAST_OR_END, "is deleted", "It is deleted"),
+        Reply::at(line::COAST_OR_END, "It coasts"),
     ],
 );
 

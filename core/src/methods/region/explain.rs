@@ -61,7 +61,7 @@ impl<T: Explained> RegionTracking<T> {
 
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
         let line = seen.events.last().map_or(line::EACH_FRAME, |event| self.line_of(event));
-        Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
+        Step { values: Vec::new(), line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }
 
     fn sentence(&self, seen: &Seen<Self>) -> Sentence {

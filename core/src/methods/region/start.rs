@@ -5,7 +5,7 @@ use crate::data::{Clip, ObjectBox};
 use crate::geometry::Bounds;
 use crate::params;
 use crate::products::Region;
-use crate::scene::{Case, Question, Role};
+use crate::scene::{Question, Reply, Role};
 
 params! {
     /// The parameters of all trackers of a region.
@@ -36,8 +36,8 @@ pub(crate) const LOST: Question = Question::choice(
     "lost",
     "Does the tracker report that the object is lost?",
     &[
-        Case::says(line::MOVE, "the object is lost", "Yes: its match is too poor"),
-        Case::at(line::MOVE, "No: the region moves"),
+        Reply::says(line::MOVE, "the object is lost", "Yes: its match is too poor"),
+        Reply::at(line::MOVE, "No: the region moves"),
     ],
 )
 .after_first_unit();

@@ -3,13 +3,48 @@
 use std::sync::Arc;
 
 use super::points::{Place, Points};
-use crate::base::words;
 use crate::data::{Clip, Flow};
 use crate::geometry::Grid;
-use crate::methods::numbers::{percent, ratio};
 use crate::products::segments::{Overlap, adjusted_rand_index, mean_overlap};
 use crate::products::{Segment, SegmentFrame};
-use crate::scene::{Arrow, Fact, Picture, Plane, Readout, Role, Scene, Shape};
+use crate::scene::{Arrow, Picture, Plane, Readout, Role, Scene, Shape, Step, Unit};
+
+crate::variables! { pub mod value;
+    /// The frame that is segmented.
+    FRAME: "Frame", "t", Unit::WHOLE;
+    /// The frame to which the flow leads.
+    NEXT_FRAME: "", "t + 1", Unit::WHOLE;
+    /// The method that gives the flow or the trajectories.
+    METHOD: "Method", "", Unit::WHOLE;
+    /// The inspected pixel.
+    PIXEL: "Pixel", "", Unit::WHOLE, Role::Reference;
+    /// The displacement of the inspected pixel.
+    DISPLACEMENT: "Displacement", "(u, v)", Unit::SPEED, Role::Measured;
+    /// The number of segments.
+    SEGMENTS: "Segments", "", Unit::count("segment"), Role::Result;
+    /// A segment: its label, mean displacement and area.
+    SEGMENT: "Segment", "", Unit::WHOLE, Role::Result;
+    /// The label of the segment of the most pixels.
+    DOMINANT: "Dominant segment", "", Unit::WHOLE;
+    /// The mean displacement of the dominant segment.
+    DOMINANT_MOTION: "Dominant motion", "", Unit::SPEED;
+    /// The share of the picture that the dominant segment covers.
+    DOMINANT_SHARE: "Share of the dominant segment", "", Unit::PERCENT;
+    /// The adjusted Rand index against the true labels.
+    RAND_INDEX: "Adjusted Rand index", "", Unit::RATIO;
+    /// The mean overlap with the true segments.
+    OVERLAP: "Mean overlap", "", Unit::RATIO;
+}
+
+crate::cases! { pub over value;
+    FLOW: "{method} gives the flow from frame {frame} to {next_frame}.",
+    NO_SEGMENT: "No pixel has a known flow, so there is no segment.",
+    ONE_SEGMENT: "One segment holds all pixels of known flow and moves by {dominant_motion}: no other motion stands out in this \
+                  flow.",
+    SEGMENTS: "{segments}. The dominant motion is that of segment {dominant}: {dominant_motion}, {dominant_share} of the \
+               picture, usually the background.",
+    AGAINST_TRUTH: "Against the true labels: adjusted Rand index {rand_index}, mean overlap {overlap}.",
+}
 
 /// Points shown in the plane of displacements at most.
 const SHOWN: usize = 400;
@@ -72,45 +107,31 @@ fn innermost(labels: &Grid<u32>) -> Vec<[f32; 2]> {
     best.into_iter().map(|(_, place)| place).collect()
 }
 
-/// The legend of the segments as facts: label, motion and area, the largest first.
-pub fn segment_facts(frame: &SegmentFrame) -> Vec<Fact> {
+/// Adds what frame `t` comes to: its segments, the largest first, the dominant motion, and the agreement with the true labels.
+pub fn concluded(step: Step, clip: &Clip, t: usize, frame: &SegmentFrame) -> Step {
+    let mut step = step.fact(value::SEGMENTS, frame.segments.len());
     let mut all: Vec<&Segment> = frame.segments.iter().collect();
     all.sort_by_key(|segment| std::cmp::Reverse(segment.area));
-    let fact = |segment: &&Segment| {
-        let words = format!("{}: {}", segment.label, segment.described());
-        Fact::new("Segment", words, Some(Role::Result)).of(segment.label)
-    };
-    let mut facts = vec![Fact::new("Segments", frame.segments.len().to_string(), None)];
-    facts.extend(all.iter().take(LISTED).map(fact));
-    facts
-}
-
-/// What a frame comes to, in sentences: number of segments, dominant motion, agreement with the true labels of frame `t`.
-pub fn conclusion(clip: &Clip, t: usize, frame: &SegmentFrame) -> String {
+    for segment in all.iter().take(LISTED) {
+        step = step.fact(value::SEGMENT, format!("{}: {}", segment.label, segment.described()));
+        if let Some(Readout::Facts(facts)) = step.readouts.first_mut()
+            && let Some(fact) = facts.last_mut()
+        {
+            fact.of = Some(segment.label);
+        }
+    }
     let Some(dominant) = frame.segments.iter().find(|segment| segment.is_dominant) else {
-        return "No pixel has a known flow, so there is no segment.".into();
+        return step.say(case::NO_SEGMENT);
     };
-    let (width, height) = frame.labels.size();
-    let share = dominant.area as f64 / (width * height) as f64;
-    let found = match frame.segments.len() {
-        1 => format!(
-            "One segment holds all pixels of known flow and moves by {} px/frame: no other motion stands out in this flow.",
-            words::place(dominant.displacement)
-        ),
-        count => format!(
-            "{count} segments. The dominant motion is that of segment {}: {} px/frame, {} of the picture, usually the background.",
-            dominant.label,
-            words::place(dominant.displacement),
-            percent(share)
-        ),
-    };
+    let share = 100.0 * dominant.area as f64 / frame.labels.cells().len() as f64;
+    let step = step.put(value::DOMINANT, dominant.label).put(value::DOMINANT_SHARE, share);
+    let step = step.put(value::DOMINANT_MOTION, dominant.displacement);
+    let step = step.say(if frame.segments.len() == 1 { case::ONE_SEGMENT } else { case::SEGMENTS });
     match scores(clip, t, frame) {
-        Some([index, overlap]) => format!(
-            "{found} Against the true labels: adjusted Rand index {}, mean overlap {}.",
-            ratio(index),
-            ratio(overlap)
-        ),
-        None => found,
+        Some([index, overlap]) => {
+            step.put(value::RAND_INDEX, index).put(value::OVERLAP, overlap).say(case::AGAINST_TRUTH)
+        }
+        None => step,
     }
 }
 

@@ -1,26 +1,84 @@
 //! What all estimators of disparity tell and draw.
 
 use super::{Kept, Settings, Verdict, Views};
-use crate::base::words::{fixed, grouped};
 use crate::data::{Calibration, Disparity};
 use crate::geometry::Grid;
 use crate::products::disparity::disparity_error;
-use crate::scene::{Link, Picture, Readout, Role, Scene, Sentence, Series, Shape};
+use crate::scene::{Case, Link, Name, Picture, Readout, Role, Scene, Series, Shape, Step, Unit};
 
-/// A disparity as text, to a hundredth of a px.
-fn px_of(disparity: f32) -> String {
-    fixed(disparity.into(), 2)
+/// A disparity in whole px.
+pub(crate) const WHOLE_PX: Unit = Unit::new("px", 0);
+
+crate::variables! { pub(crate) mod value;
+    /// The inspected pixel.
+    PIXEL: "Pixel", "p", Unit::WHOLE, Role::Reference;
+    /// The lowest cost along the epipolar line.
+    MINIMUM: "Minimum", r"C_{\min}", Unit::WHOLE, Role::Best;
+    /// The disparity of lowest cost.
+    BEST: "Disparity of the minimum", "d", WHOLE_PX, Role::Best;
+    /// The lowest cost of all disparities but the best and its neighbours.
+    RIVAL_COST: "Next minimum", "", Unit::WHOLE;
+    /// The disparity of the next minimum.
+    RIVAL: "Disparity of the next minimum", "", WHOLE_PX;
+    /// The cost of the disparity below the best one.
+    COST_BEFORE: "", "", Unit::WHOLE;
+    /// The cost of the disparity above the best one.
+    COST_AFTER: "", "", Unit::WHOLE;
+    /// The disparity that the other view has at the match.
+    BACK: "From the other view", "", WHOLE_PX;
+    /// How much higher than the minimum the cost of a rival must be.
+    UNIQUENESS: "Uniqueness", "", Unit::WHOLE_PERCENT;
+    /// The disparity of the pixel.
+    DISPARITY: "Disparity", "d", Unit::PX, Role::Result;
+    /// The depth Z = f B / d of the pixel.
+    DEPTH: "Depth", "Z", Unit::new("m", 2);
+    /// The true disparity of the pixel.
+    TRUE_DISPARITY: "True disparity", "", Unit::PX, Role::Truth;
+    /// The picture that the left view is matched with.
+    SECOND: "Second picture", "", Unit::WHOLE;
+    /// The largest disparity with a match inside the second picture.
+    LAST: "Last disparity", "", WHOLE_PX;
+    /// The number of disparities searched.
+    SEARCHED: "Disparities", "", Unit::count("disparity");
+    /// What is wrong with the views.
+    WARNING: "Views", "", Unit::WHOLE, Role::Error;
+    /// The number of pixels of a view.
+    PIXELS: "Pixels", "", Unit::count("pixel");
+    /// The share of the pixels that pass all tests.
+    ACCEPTED: "Measured", "", Unit::PERCENT;
+    /// The share of the pixels whose match is not unique.
+    AMBIGUOUS: "Ambiguous", "", Unit::PERCENT;
+    /// The share of the pixels that fail the left–right check.
+    INCONSISTENT: "Inconsistent", "", Unit::PERCENT;
+    /// The share of the pixels that are wrong by more than 3 px or have no disparity.
+    WRONG: "Wrong", "", Unit::PERCENT;
+    /// The mean error of all estimates.
+    MEAN_ERROR: "Mean error", "", Unit::PX;
+    /// The number of pixels at the left border without a match in the other view.
+    WITHOUT_PARTNER: "Without a match", "", Unit::count("pixel");
+    /// The share of the other pixels that are wrong.
+    WRONG_WITH_PARTNER: "Wrong, of those with a match", "", Unit::PERCENT;
+    /// The number of measured pixels with a known truth.
+    COMPARED: "Compared", "", Unit::count("pixel");
+    /// The share of the measured pixels that are wrong.
+    WRONG_MEASURED: "Wrong, of those measured", "", Unit::PERCENT;
 }
 
-/// A disparity as text with its unit.
-pub(crate) fn disparity_px(disparity: f32) -> String {
-    format!("{} px", px_of(disparity))
-}
-
-/// The depth of a disparity as text, if the cameras are calibrated and it is finite.
-pub(crate) fn depth(calibration: Option<&Calibration>, disparity: f32) -> Option<String> {
-    let depth = calibration?.depth_m(f64::from(disparity))?;
-    Some(format!("{} m", fixed(depth, 2)))
+crate::cases! { over value;
+    STEREO: "The views are rectified: the epipolar line of pixel (x, y) is row y of the right view, and its match lies d px \
+             further left. The disparity d is inversely proportional to the depth, so near points have a large one.",
+    ONE_VIEW: "The clip has no right view, so frame t + 1 serves as one: the disparity is right for a camera that moves to the \
+               right between both frames. Open a right view for stereo.",
+    SWAPPED: "{error|The views are} {warning}{error|.}",
+    OUTCOMES: "Of {pixels}, {accepted} pass all tests, {ambiguous} are ambiguous and {inconsistent} fail the left–right check.",
+    ERRORS: "Against the truth, {wrong} are wrong by more than 3 px or have no disparity; the mean error of all estimates is \
+             {mean_error}.",
+    BORDER: "{without_partner} at the left border have no partner in the right view; without them {wrong_with_partner} are \
+             wrong.",
+    MEASURED: "Of the {compared:bare} measured pixels with a known truth, {wrong_measured} are wrong.",
+    TRUTH_BESIDE: "The true match, at d = {true_disparity}, lies beside the {second}: its border ends the search at d = {last}.",
+    TRUTH_BEYOND: "The true match, at d = {true_disparity}, lies beyond the {searched} searched.",
+    PERHAPS_BESIDE: "Otherwise the match lies beside the {second}, and the search ends at its border, at d = {last}.",
 }
 
 /// The true disparity of a pixel, if it is known.
@@ -28,70 +86,55 @@ pub(crate) fn true_at(views: &Views, (x, y): (usize, usize)) -> Option<f32> {
     views.truth.as_ref()?.at(x, y)
 }
 
-/// The sentence before the first step.
-pub(crate) fn starting(views: &Views, settings: &Settings) -> Sentence {
-    let said = Sentence::default();
-    let said = if views.is_stereo {
-        said.text(
-            "The views are rectified: the epipolar line of pixel (x, y) is row y of the right view, and its match lies d px further left. The \
-             disparity d is inversely proportional to the depth, so near points have a large one.",
-        )
-    } else {
-        said.text(
-            "The clip has no right view, so frame t + 1 serves as one: the disparity is right for a camera that moves to the right between both \
-             frames. Open a right view for stereo.",
-        )
-    };
-    match views.signs(settings.disparities).warning().filter(|_| views.is_stereo) {
-        Some(warning) => said.ink(Role::Error, format!(" The views are {warning}.")),
-        None => said,
+/// Adds a disparity to the facts, and its depth if the cameras are calibrated.
+pub(crate) fn measured(step: Step, calibration: Option<&Calibration>, disparity: f32) -> Step {
+    let step = step.fact(value::DISPARITY, disparity);
+    match calibration.and_then(|rig| rig.depth_m(f64::from(disparity))) {
+        Some(depth) => step.fact(value::DEPTH, depth),
+        None => step.fact(value::DEPTH, "unknown: it needs the focal length and the baseline of the cameras"),
     }
 }
 
-/// The conclusion of a run whose final disparities and outcomes are `kept`.
-pub(crate) fn concluded(views: &Views, settings: &Settings, kept: &[Kept]) -> String {
+/// Tells what stereo assumes, before the first step.
+pub(crate) fn starting(step: Step, views: &Views, settings: &Settings) -> Step {
+    let said = if views.is_stereo { case::STEREO } else { case::ONE_VIEW };
+    warned(step.say(said), views.warning(settings.disparities))
+}
+
+/// Adds the warning about the views, if there is one.
+pub(crate) fn warned(step: Step, warning: Option<String>) -> Step {
+    match warning {
+        Some(warning) => step.put(value::WARNING, warning).say(case::SWAPPED),
+        None => step,
+    }
+}
+
+/// Adds the conclusion of a run whose final disparities and outcomes are `kept`.
+pub(crate) fn concluded(step: Step, views: &Views, settings: &Settings, kept: &[Kept]) -> Step {
     let all = kept.len().max(1) as f64;
     let share = |verdict| 100.0 * kept.iter().filter(|kept| kept.verdict == verdict).count() as f64 / all;
-    let [sound, ambiguous, inconsistent] =
-        [Verdict::Accepted, Verdict::Ambiguous, Verdict::Inconsistent].map(|verdict| fixed(share(verdict), 1));
-    let mut told = format!(
-        " Of {} pixels, {sound} % pass all tests, {ambiguous} % are ambiguous and {inconsistent} % fail the left–right check.",
-        grouped(kept.len())
-    );
+    let mut step = step.put(value::PIXELS, kept.len()).put(value::ACCEPTED, share(Verdict::Accepted));
+    step = step.put(value::AMBIGUOUS, share(Verdict::Ambiguous)).put(value::INCONSISTENT, share(Verdict::Inconsistent));
+    step = step.say(case::OUTCOMES);
     if let Some(truth) = &views.truth {
         let (width, height) = views.size();
         let of = |is_kept: &dyn Fn(&Kept) -> bool| {
             let known = |kept: &Kept| if is_kept(kept) { kept.disparity } else { Disparity::UNKNOWN };
             Disparity(Grid::from_fn(width, height, |x, y| known(&kept[y * width + x])))
         };
-        let map = of(&|_| true);
-        if let Ok(Some(error)) = disparity_error(&map, truth) {
-            told += &format!(
-                " Against the truth, {} % are wrong by more than 3 px or have no disparity; the mean error of all estimates \
-                 is {} px.",
-                fixed(100.0 * error.bad3, 1),
-                fixed(error.epe_px, 2)
-            );
+        if let Ok(Some(error)) = disparity_error(&of(&|_| true), truth) {
+            step = step.put(value::WRONG, 100.0 * error.bad3).put(value::MEAN_ERROR, error.epe_px).say(case::ERRORS);
             if let Some(share) = error.bad3_with_partner.filter(|_| error.without_partner > 0) {
-                told += &format!(
-                    " {} pixels at the left border have no partner in the right view; without them {} % are wrong.",
-                    grouped(error.without_partner),
-                    fixed(100.0 * share, 1)
-                );
+                step = step.put(value::WITHOUT_PARTNER, error.without_partner);
+                step = step.put(value::WRONG_WITH_PARTNER, 100.0 * share).say(case::BORDER);
             }
         }
         if let Ok(Some(error)) = disparity_error(&of(&|kept| kept.verdict == Verdict::Accepted), truth) {
-            told += &format!(
-                " Of the {} measured pixels with a known truth, {} % are wrong.",
-                grouped(error.compared),
-                fixed(100.0 * error.bad3_compared, 1)
-            );
+            step = step.put(value::COMPARED, error.compared).put(value::WRONG_MEASURED, 100.0 * error.bad3_compared);
+            step = step.say(case::MEASURED);
         }
     }
-    if let Some(warning) = views.signs(settings.disparities).warning().filter(|_| views.is_stereo) {
-        told += &format!(" The views are {warning}.");
-    }
-    told
+    warned(step, views.warning(settings.disparities))
 }
 
 /// Draws disparities in the colours of one scale over frame t.
@@ -118,25 +161,23 @@ impl Pair<'_> {
         self.pixel.0.min(self.disparities - 1)
     }
 
-    /// Why no match passes the tests: the end of the search, if the true match lies behind it, else the `usual` cause.
-    pub fn cause(&self, usual: &str) -> String {
-        let (last, name) = (self.last(), self.views.second_name());
+    /// A step about the pixel, with its true disparity where that is known.
+    pub fn step(&self, line: Name) -> Step {
+        let step = Step::at(line).fact(value::PIXEL, self.pixel);
+        step.fact_if(value::TRUE_DISPARITY, true_at(self.views, self.pixel))
+            .put(value::SECOND, self.views.second_name())
+    }
+
+    /// Tells why no match passes the tests: the end of the search, if the true match lies behind it, else the `usual` cause.
+    pub fn cause(&self, step: Step, usual: &'static Case) -> Step {
+        let last = self.last();
         let is_cut = last + 1 < self.disparities;
+        let step = step.put(value::LAST, last).put(value::SEARCHED, self.disparities);
         match true_at(self.views, self.pixel) {
             Some(truth) if truth > last as f32 + 0.5 => {
-                let end = if is_cut {
-                    format!("beside the {name}: its border ends the search at d = {last} px")
-                } else {
-                    format!("beyond the {} disparities searched", self.disparities)
-                };
-                format!("The true match, at d = {}, lies {end}.", disparity_px(truth))
+                step.say(if is_cut { case::TRUTH_BESIDE } else { case::TRUTH_BEYOND })
             }
-            None if is_cut => {
-                format!(
-                    "{usual} Otherwise the match lies beside the {name}, and the search ends at its border, at d = {last} px."
-                )
-            }
-            _ => usual.to_owned(),
+            truth => step.say(usual).say_if(truth.is_none() && is_cut, case::PERHAPS_BESIDE),
         }
     }
 }
@@ -209,12 +250,19 @@ mod tests {
     use super::*;
     use crate::data::Frame;
 
+    crate::line_names!(END);
+
+    mod hidden {
+        crate::cases! { pub(super) HIDDEN: "Something hides it." }
+    }
+
     /// Why the pixel in a column has no disparity, of 16 disparities and with the true one, if it is known.
     fn cause(x: usize, truth: Option<f32>) -> String {
         let frame = || Arc::new(Frame::gray(Grid::new(40, 8, 90)));
         let truth = truth.map(|truth| Arc::new(Disparity(Grid::new(40, 8, truth))));
         let views = Views { left: frame(), right: frame(), is_stereo: true, calibration: None, truth };
-        Pair { views: &views, pixel: (x, 4), reach: 1, disparities: 16 }.cause("Something hides it.")
+        let pair = Pair { views: &views, pixel: (x, 4), reach: 1, disparities: 16 };
+        pair.cause(pair.step(END), hidden::case::HIDDEN).sentence.plain()
     }
 
     #[test]

@@ -7,7 +7,7 @@ mod settings;
 mod views;
 
 pub(crate) use census::{BITS, census};
-pub(crate) use explain::{Curve, Pair, concluded, depth, disparity_px, draw_map, draw_match, starting, true_at};
+pub(crate) use explain::{Curve, Pair, WHOLE_PX, concluded, draw_map, draw_match, measured, starting, value, warned};
 pub use matching::{Kept, Verdict};
 pub(crate) use matching::{Winners, accept, smallest, vertex};
 pub use settings::Settings;

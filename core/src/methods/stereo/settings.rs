@@ -15,3 +15,11 @@ params! {
         subpixel: bool = true;
     }
 }
+
+impl Settings {
+    /// Whether the disparity of a pixel in column `x` is refined: a parabola needs a neighbour on both sides.
+    #[inline(always)]
+    pub(crate) fn is_refined(&self, best: usize, x: usize) -> bool {
+        self.subpixel && best > 0 && best < x.min(self.disparities - 1)
+    }
+}

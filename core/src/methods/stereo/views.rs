@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::base::Error;
 use crate::data::{Calibration, Clip, Disparity, Frame, Viewpoint};
-use crate::products::disparity::{Signs, signs};
+use crate::products::disparity::signs;
 use crate::scene::{Canvas, Picture};
 
 /// The left view, and the right one or what serves as one, with what is known about both.
@@ -55,9 +55,9 @@ impl Views {
         vec![Canvas::of_clip(Picture::CURRENT), Canvas::of_clip(self.second())]
     }
 
-    /// The signs of the disparities of distinctive windows.
-    pub fn signs(&self, disparities: usize) -> Signs {
-        signs([self.left.luma(), self.right.luma()], disparities)
+    /// The warning about views that seem to be swapped or not rectified, if there is one.
+    pub fn warning(&self, disparities: usize) -> Option<String> {
+        self.is_stereo.then(|| signs([self.left.luma(), self.right.luma()], disparities).warning()).flatten()
     }
 
     /// Memory that both views and the truth take.

@@ -350,10 +350,10 @@ fn mixed(color: &Grid<[u8; 3]>, [x, y]: [f32; 2]) -> [u8; 3] {
 /// whether the background of its second pixel explains the value of the frame at its first.
 pub(crate) fn displaced(
     mask: &Mask,
-    steady: Steadiness,
+    steady: Option<Steadiness>,
     fits: impl Fn((usize, usize), (usize, usize)) -> bool,
 ) -> Option<Mask> {
-    let (reach, (width, height)) = (steady.shake, mask.size());
+    let (reach, (width, height)) = (steady?.shake, mask.size());
     let around = |c: usize, length: usize| c.saturating_sub(reach)..(c + reach + 1).min(length);
     let is_displaced = |x: usize, y: usize| {
         let mut near = around(y, height).flat_map(|v| around(x, width).map(move |u| (u, v)));

@@ -1,11 +1,19 @@
 //! Models with a background of its own for each colour channel of a pixel.
 
+use std::sync::Arc;
+
+use super::explain::{case, value};
+use super::explanation::{Cases, Probe};
 use super::rows::Flags;
-use super::shadow::{ShadowLimits, is_shadow};
+use super::shadow::{ShadowDetection, ShadowLimits, is_shadow};
+use super::{Accepted, Background, Comparison, Explanation, Found, Past, Setup, displaced};
 use crate::base::Threads;
 use crate::choices;
 use crate::data::{Clip, Frame, Mask};
 use crate::geometry::Grid;
+use crate::params::Params;
+use crate::run::{Info, Need};
+use crate::scene::{Case, Layer, Step, Unit};
 
 choices! {
     /// The channels in which a pixel is compared with the background.
@@ -73,8 +81,8 @@ impl Channels {
     }
 
     /// The end of a rule: which channels it is about.
-    pub fn any(self) -> &'static str {
-        if self == Self::Color { ", in colour in any channel" } else { "" }
+    pub fn any(self) -> &'static Case {
+        if self == Self::Color { case::ANY_CHANNEL } else { case::END }
     }
 
     /// The number of channels that frames of a clip may have.
@@ -141,6 +149,135 @@ pub trait Channelwise {
 
     /// The background after an update with a level of a pixel of this class.
     fn updated(&self, cell: Self::Cell, level: u8, is_foreground: bool) -> Self::Cell;
+}
+
+/// A model of the background by channels.
+pub trait ChannelModel: Channelwise<Cell: Into<f32>> + Params + Default + Clone + Send + Sync + 'static {
+    /// As [`Background::INFO`].
+    const INFO: Info;
+    /// As [`Background::SHOWN`].
+    const SHOWN: &'static str = "|I − B|, in colour the maximum over the channels";
+    /// The rule of foreground, without the channels.
+    const RULE: &'static Case = case::RULE;
+    /// The unit of the threshold.
+    const UNIT: Unit = Unit::GRAY;
+
+    /// The parameters that all of them have.
+    fn common(&self) -> Common;
+
+    /// The threshold on [`Channelwise::distance`].
+    fn threshold(&self) -> f32;
+
+    /// The background of a channel that has this level in the initial picture.
+    fn begun(&self, level: u8) -> Self::Cell;
+
+    /// The squared deviation from the colour of a pixel's backgrounds that is tolerated in a shadow.
+    fn shadow_limit(&self, _cells: [Self::Cell; 3]) -> f32 {
+        (SHADOW_SHARE * self.threshold()).powi(2)
+    }
+
+    /// The levels that a background accepts.
+    fn accepts(&self, cell: Self::Cell) -> Accepted {
+        Accepted::around(cell.into(), self.threshold())
+    }
+
+    /// [`classify`] for the processor at hand.
+    fn decide(&self, row: Row<'_>, cells: &mut [Self::Cell], words: &mut [u64]);
+
+    /// As [`Background::layers`].
+    fn layers(&self, _model: &Arc<Planes<Self::Cell>>, _past: &Past) -> Vec<Layer> {
+        Vec::new()
+    }
+
+    /// As [`Background::explain`].
+    fn explain(&self, step: Step, probe: &Probe<Planes<Self::Cell>>) -> Explanation;
+}
+
+/// The parameters of all models by channels.
+pub struct Common {
+    pub channels: Channels,
+    pub shadow: ShadowDetection,
+    pub setup: Setup,
+}
+
+impl<M: ChannelModel> Background for M {
+    const INFO: Info = <M as ChannelModel>::INFO;
+    const SHOWN: &'static str = <M as ChannelModel>::SHOWN;
+    type Model = Planes<M::Cell>;
+
+    fn setup(&self) -> Setup {
+        self.common().setup
+    }
+
+    fn moved(&self, model: &Self::Model, by: [f32; 2], frame: &Arc<Frame>) -> Self::Model {
+        model.shifted(by, &self.begin(frame))
+    }
+
+    fn displaced(&self, model: &Self::Model, frame: &Frame, mask: &Mask) -> Option<Mask> {
+        displaced(mask, self.setup().steady, |place, of| model.fits(self, (frame, place), of))
+    }
+
+    fn need(&self, clip: &Clip) -> Need {
+        let cells = 2 * size_of::<M::Cell>() * self.common().channels.most(clip);
+        Need::per_pixel(clip, [2.0 + cells as f64; 2])
+    }
+
+    fn begin(&self, first: &Arc<Frame>) -> Self::Model {
+        Planes::begin(first, self.common().channels, |level| self.begun(level))
+    }
+
+    fn subtract(&self, model: &mut Self::Model, frame: &Arc<Frame>, threads: &Threads) -> Found {
+        // Shadows are those on the background before the update.
+        let ShadowDetection { detect_shadows, shadow_threshold } = self.common().shadow;
+        let before = (detect_shadows && model.channels == 3).then(|| model.clone());
+        let mask = model.by_rows(frame, threads, |row, cells, words| self.decide(row, cells, words));
+        let limit = |cells| self.shadow_limit(cells);
+        let shadows = before.map(|model| model.shadows((frame, &mask), shadow_threshold, Into::into, limit));
+        Found { mask, shadows }
+    }
+
+    fn expected(&self, model: &Self::Model, place: (usize, usize)) -> f32 {
+        model.expected(place, Channel::Gray, Into::into)
+    }
+
+    fn expected_color(&self, model: &Self::Model, place: (usize, usize)) -> Option<[u8; 3]> {
+        model.color(place, Into::into)
+    }
+
+    fn channel(&self, model: &Self::Model, frame: &Frame, place: (usize, usize)) -> Channel {
+        model.deciding(self, frame, place).0
+    }
+
+    fn compared_in(&self, model: &Self::Model, _: &Frame, place: (usize, usize), channel: Channel) -> f32 {
+        model.expected(place, channel, Into::into)
+    }
+
+    fn accepted(&self, model: &Self::Model, place: (usize, usize), channel: Channel) -> Vec<Accepted> {
+        vec![self.accepts(model.at(place)[channel.index()])]
+    }
+
+    fn layers(&self, model: &Arc<Self::Model>, past: &Past) -> Vec<Layer> {
+        ChannelModel::layers(self, model, past)
+    }
+
+    fn difference(&self, model: &Self::Model, frame: &Frame, place: (usize, usize)) -> f32 {
+        model.deciding(self, frame, place).1
+    }
+
+    fn explain(&self, step: Step, probe: &Probe<Self::Model>) -> Explanation {
+        ChannelModel::explain(self, step, probe)
+    }
+
+    fn rule(&self, step: Step) -> (Step, Cases) {
+        (
+            step.put_value(value::THRESHOLD.is(self.threshold()).in_unit(M::UNIT)),
+            vec![M::RULE, self.common().channels.any()],
+        )
+    }
+
+    fn model_bytes(&self, model: &Self::Model) -> usize {
+        model.bytes()
+    }
 }
 
 /// Classifies the pixels of a row, foreground where any channel differs, and updates their backgrounds.
@@ -254,6 +391,19 @@ impl<T: Copy + Send + Sync> Planes<T> {
     /// The channel with the largest difference of a pixel from its backgrounds, and that difference.
     pub fn deciding<M: Channelwise<Cell = T>>(&self, of: &M, frame: &Frame, place: (usize, usize)) -> (Channel, f32) {
         largest(&self.distances(of, frame, place)[..self.channels])
+    }
+
+    /// The comparison of a pixel with its backgrounds.
+    pub fn comparison<M: ChannelModel<Cell = T>>(&self, of: &M, probe: &Probe<Self>) -> Comparison {
+        let &Probe { after, frame, place, .. } = probe;
+        let values = |model: &Self| model.at(place)[..self.channels].iter().map(|cell| (*cell).into()).collect();
+        Comparison {
+            pixel: levels(frame, place, self.channels)[..self.channels].to_vec(),
+            background: values(self),
+            after: after.map(values),
+            threshold: value::THRESHOLD.is(of.threshold()).in_unit(M::UNIT),
+            is_foreground: !self.fits(of, (frame, place), place),
+        }
     }
 
     /// Whether the backgrounds of pixel `of` explain the levels of pixel `place` of a frame.

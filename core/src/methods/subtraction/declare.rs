@@ -1,8 +1,9 @@
 //! Parameters and pseudocode shared by all background subtractions.
 
+use super::explain::value;
 use crate::data::Connectivity;
 use crate::params;
-use crate::scene::{Question, Reading, Role};
+use crate::scene::{Question, Role};
 
 params! {
     /// The parameters of all background subtractions.
@@ -65,31 +66,22 @@ pub(super) mod line {
 /// The questions of all of them.
 pub(super) const QUESTIONS: &[Question] = &[
     Question::place("object", "Where is a blob of the foreground?", line::UPDATE_MODEL, Role::Result),
-    Question::number(
-        "share",
-        "Which share of the frame is foreground?",
-        Reading { line: line::DECIDE, after: "of foreground (", before: " %", unit: "%" },
-    ),
-    Question::number(
-        "blobs",
-        "How many blobs remain after the minimum area?",
-        Reading { line: line::KEEP_BLOBS, after: "", before: " blob", unit: "blobs" },
-    ),
+    Question::value("share", "Which share of the frame is foreground?", line::DECIDE, value::FOREGROUND_SHARE),
+    Question::value("blobs", "How many blobs remain after the minimum area?", line::KEEP_BLOBS, value::BLOBS),
 ];
 
 /// The pseudocode of a background subtraction: initialisation, comparison, classification, shadow removal if there is one,
 /// and update of the model.
 macro_rules! subtraction_pseudocode {
     (
-        begin: $begin:literal, $(camera: $camera:literal,)? $(exposure: $exposure:literal,)? $(register: $register:literal,)?
+        begin: $begin:literal, $(camera: $camera:literal,)? $(register: $register:literal,)?
         compare: $compare:literal, decide: $decide:literal,
         $(shadows: $shadows:literal,)? $(shake: $shake:literal,)? update: $update:literal $(,)?
     ) => {
         $crate::pseudocode! {
             BEGIN_MODEL: $begin,
             EACH_FRAME: "for each later frame t, at each pixel",
-            $(FOLLOW_CAMERA: $camera,)?
-            $(CORRECT_EXPOSURE: $exposure,)?
+            $(FOLLOW_CAMERA: $camera, CORRECT_EXPOSURE: "  correct the exposure of the frame to that of the background",)?
             $(REGISTER: $register,)?
             COMPARE: $compare,
             DECIDE: $decide,

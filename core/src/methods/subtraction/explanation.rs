@@ -1,133 +1,119 @@
-//! The classification of a single pixel and the update of its model, in words and numbers.
+//! The classification of a single pixel and the update of its model, and what the background models say of it alike.
 
 use super::channels::{Channel, largest};
-use crate::methods::numbers::{gray, level};
-use crate::scene::{Fact, Math, Matrix, Role, Sentence};
+use super::explain::{case, value};
+use super::noise::NOISE_SIGMAS;
+use crate::data::Frame;
+use crate::scene::{Case, Number, Role, Step, Unit, Value};
 
-/// The classification of a pixel.
-#[derive(Default)]
-pub struct Explanation {
-    /// The numbers of the comparison.
-    pub facts: Vec<Fact>,
-    /// The formula that decides.
-    pub equation: Vec<Math>,
-    /// The model of the pixel, where that is more than one number.
-    pub matrices: Vec<Matrix>,
-    /// The comparison and the class that follows from it, behind the pixel's name.
-    pub verdict: Sentence,
-    /// The model before and after the update, once the update is done.
-    pub update: Sentence,
+/// Cases that are told one after the other.
+pub type Cases = Vec<&'static Case>;
+
+/// Tells cases.
+pub fn say(step: Step, cases: &[&'static Case]) -> Step {
+    cases.iter().fold(step, |step, case| step.say(case))
 }
 
-/// The comparison of a whole frame with the model.
-#[derive(Default)]
-pub struct FrameComparison {
-    /// Its result, as sentences.
-    pub sentence: Sentence,
-    /// Its numbers.
-    pub facts: Vec<Fact>,
-    /// Its matrices.
-    pub matrices: Vec<Matrix>,
+/// A pixel of a frame with the models that explain it.
+pub struct Probe<'a, T> {
+    /// The model that it is compared with.
+    pub before: &'a T,
+    /// The model after the update, once that is done.
+    pub after: Option<&'a T>,
+    /// The frame.
+    pub frame: &'a Frame,
+    /// The pixel.
+    pub place: (usize, usize),
+}
+
+/// The classification of a pixel.
+pub struct Explanation {
+    /// The step with the values and formulas of the comparison, and the model of the pixel.
+    pub step: Step,
+    /// The comparison and the class that follows from it, behind the pixel's name.
+    pub verdict: Cases,
+    /// The model before and after the update, once the update is done.
+    pub update: Cases,
+}
+
+impl Explanation {
+    /// A step of which nothing more is known.
+    pub fn of(step: Step) -> Self {
+        Self { step, verdict: Vec::new(), update: Vec::new() }
+    }
 }
 
 /// A pixel and the background that it is compared with, in one channel or in three.
-pub struct Comparison<'a> {
+pub struct Comparison {
     /// The levels of the pixel.
-    pub pixel: &'a [u8],
+    pub pixel: Vec<u8>,
     /// The levels of the background.
-    pub background: &'a [f32],
-    /// Whether the background holds whole levels only.
-    pub is_whole: bool,
-    /// The threshold on the difference.
-    pub threshold: f32,
+    pub background: Vec<f32>,
+    /// The levels of the background after the update, once that is done.
+    pub after: Option<Vec<f32>>,
+    /// The threshold on the difference, without decimals where the background holds whole levels only.
+    pub threshold: Value,
+    /// The class of the pixel.
+    pub is_foreground: bool,
 }
 
-/// Values in one channel or in three as text.
-pub fn tuple<T: Copy>(values: &[T], text: impl Fn(T) -> String) -> String {
+/// The end of a formula about the channel that decides.
+pub const IN_CHANNEL: &str = r"\text{ in }{channel}";
+
+/// Values in one channel or in three.
+pub fn tuple<T: Copy + Into<f64>>(values: &[T]) -> Number {
     match values {
-        [one] => text(*one),
-        // No-break spaces.
-        all => format!("({})", all.iter().map(|value| text(*value)).collect::<Vec<_>>().join(",\u{a0}")),
+        [one] => Number::Real((*one).into()),
+        all => Number::Vector(all.iter().map(|value| (*value).into()).collect()),
     }
 }
 
-/// What is compared, with and without a capital: a gray level or a color.
-pub fn kind(channels: usize) -> [&'static str; 2] {
-    if channels == 1 { ["Gray level", "gray level"] } else { ["Colour", "colour"] }
+/// Puts the levels of a pixel in one channel or in three; returns the case that tells them.
+pub fn put_pixel<T: Copy + Into<f64>>(step: Step, pixel: &[T]) -> (Step, &'static Case) {
+    let is_gray = pixel.len() == 1;
+    let (of, case) = if is_gray { (value::GRAY_LEVEL, case::GRAY_LEVEL) } else { (value::COLOUR, case::COLOUR) };
+    (step.fact(of, tuple(pixel)), case)
 }
 
-/// A variable, with c for the channel where there are several.
-pub fn of_channel(symbol: &'static str, channels: usize) -> Math {
-    if channels == 1 { Math::Var(symbol) } else { Math::indexed(Math::Var(symbol), Math::Var("c")) }
+/// The role of a difference and the sign between it and the threshold, by the class of the pixel.
+pub fn class(is_foreground: bool) -> (Role, &'static str) {
+    if is_foreground { (Role::Result, ">") } else { (Role::Rejected, r"\le") }
 }
 
-/// A difference with the channel that it is found in, where there are several.
-pub fn in_channel(difference: &str, channel: Channel) -> String {
-    channel.name().map_or_else(|| difference.to_owned(), |name| format!("{difference} in {name}"))
-}
-
-/// The maximum over the channels of a difference, where there are several.
-pub fn most(difference: Math, channels: usize) -> Math {
-    if channels == 1 {
-        return difference;
-    }
-    Math::Row(vec![Math::indexed(Math::text("max"), Math::Var("c")), Math::text(" "), difference])
-}
-
-impl Comparison<'_> {
+impl Comparison {
     /// The classification of the pixel by its largest absolute difference from the background and the threshold.
-    pub fn explained(&self) -> Explanation {
-        let channels = self.pixel.len();
-        let text = |value: f32| if self.is_whole { level(value) } else { gray(value) };
-        let offs: Vec<f32> = self.pixel.iter().zip(self.background).map(|(i, b)| (f32::from(*i) - b).abs()).collect();
-        let (channel, difference) = largest(&offs);
-        let at = channel.index();
-        let is_foreground = difference > self.threshold;
-        let role = if is_foreground { Role::Result } else { Role::Rejected };
-        let [off, limit] = [difference, self.threshold].map(text);
-        let [shown, background] = [tuple(self.pixel, |i| level(f32::from(i))), tuple(self.background, text)];
-        let size = |inner: Vec<Math>| Math::Abs(Box::new(Math::Row(inner)));
-        let [pixel, expected] =
-            [("I", channels), ("B", channels)].map(|(symbol, channels)| of_channel(symbol, channels));
-        let symbols = Math::Row(vec![
-            most(size(vec![pixel, Math::text(" − "), expected]), channels),
-            Math::text(" > "),
-            Math::Var("T"),
-        ]);
-        let numbers = Math::Row(vec![
-            size(vec![
-                Math::ink(Role::Measured, level(f32::from(self.pixel[at]))),
-                Math::text(" − "),
-                Math::ink(Role::Predicted, text(self.background[at])),
-            ]),
-            Math::text(" = "),
-            Math::ink(role, off.clone()),
-            Math::text(if is_foreground { format!(" > {limit}") } else { format!(" ≤ {limit}") }),
-            Math::text(channel.name().map_or_else(String::new, |name| format!(" in {name}"))),
-        ]);
-        let [name, lower] = kind(channels);
-        let label = if channels == 1 { "Difference" } else { "Largest difference" };
-        let off = in_channel(&off, channel);
-        Explanation {
-            facts: vec![
-                Fact::new(name, shown.clone(), Some(Role::Measured)),
-                Fact::new("Background", background.clone(), Some(Role::Predicted)),
-                Fact::new(label, off.clone(), Some(role)),
-                Fact::new("Threshold", limit.clone(), None),
-            ],
-            equation: vec![symbols, numbers],
-            verdict: Sentence::default()
-                .text(format!(": {lower} "))
-                .ink(Role::Measured, shown)
-                .text(", background ")
-                .ink(Role::Predicted, background)
-                .text(format!(". The {} ", label.to_lowercase()))
-                .ink(role, off)
-                .text(match is_foreground {
-                    true => format!(" exceeds the threshold {limit}: foreground."),
-                    false => format!(" is within the threshold {limit}: background."),
-                }),
-            ..Explanation::default()
-        }
+    pub fn explained(&self, step: Step) -> Explanation {
+        let offs: Vec<f32> = self.pixel.iter().zip(&self.background).map(|(i, b)| (f32::from(*i) - b).abs()).collect();
+        let ((channel, difference), (role, sign)) = (largest(&offs), class(self.is_foreground));
+        let (unit, at) = (self.threshold.unit, channel.index());
+        let bare = |value: Value| value.in_unit(Unit { name: "", ..unit });
+        let (step, level) = put_pixel(step, &self.pixel);
+        let step = step
+            .fact_of(bare(value::BACKGROUND.is(tuple(&self.background))))
+            .fact_of(value::DIFFERENCE.is(difference).in_unit(unit).inked(role))
+            .fact_if(value::CHANNEL, channel.name())
+            .fact_of(self.threshold.clone())
+            .put(value::LEVEL, self.pixel[at])
+            .put_value(bare(value::EXPECTED.is(self.background[at])));
+        let (symbols, within, off, moves) = match channel {
+            Channel::Gray => ("|I - B| > T", "", case::DIFFERENCE, case::MOVES_TO_LEVEL),
+            Channel::Color(_) => {
+                (r"\max_c |I_c - B_c| > T", IN_CHANNEL, case::LARGEST_DIFFERENCE, case::MOVES_TO_COLOUR)
+            }
+        };
+        let numbers = format!("|{{level}} - {{expected}}| = {{difference}} {sign} {{threshold}}{within}");
+        let step = step.formula(symbols).formula(numbers);
+        let verdict = vec![level, case::BACKGROUND, off, if self.is_foreground { case::EXCEEDS } else { case::WITHIN }];
+        let Some(after) = &self.after else { return Explanation { step, verdict, update: Vec::new() } };
+        let step = step.fact_of(bare(value::BACKGROUND_AFTER.is(tuple(after))));
+        Explanation { step, verdict, update: vec![moves] }
     }
+}
+
+/// Puts the rule of a difference `from` frames, above a threshold in gray levels or, if that is 0, above the noise; returns with it the cases
+/// that tell it.
+pub fn difference_rule(step: Step, threshold: usize, [from, end]: [&'static Case; 2]) -> (Step, Cases) {
+    let rule = if threshold == 0 { case::ABOVE_NOISE } else { case::ABOVE_THRESHOLD };
+    let step = step.put(value::NOISE_SIGMAS, NOISE_SIGMAS);
+    (step.put_value(value::THRESHOLD.is(threshold).in_unit(Unit::LEVEL)), vec![from, rule, end])
 }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::Setup;
 use super::camera::{CameraMotion, Steadiness, aligned};
 use super::exposure::{Exposure, Transfer};
 use crate::base::Error;
@@ -29,18 +30,14 @@ const LEAST_ALIGNED: f32 = 0.75;
 const REACH: usize = 60;
 
 /// Returns the picture that initialises the model of the frames `span` of a clip. The samples of a median are aligned and have the
-/// exposure of the first of them, as far as `steady` asks for it.
+/// exposure of the first of them, as far as `setup` asks for it.
 ///
 /// # Errors
 /// If a frame cannot be read.
-pub fn picture(
-    (initial, steady): (Initial, Option<Steadiness>),
-    clip: &Clip,
-    span: &Span,
-) -> Result<Arc<Frame>, Error> {
+pub fn picture(Setup { initial, steady, .. }: Setup, clip: &Clip, span: &Span) -> Result<Arc<Frame>, Error> {
     match initial {
-        Initial::FirstFrame => clip.frame(span.first),
-        Initial::Median => median_of((clip, SAMPLES), span, steady).map(Arc::new),
+        None | Some(Initial::FirstFrame) => clip.frame(span.first),
+        Some(Initial::Median) => median_of((clip, SAMPLES), span, steady).map(Arc::new),
     }
 }
 

@@ -17,20 +17,24 @@ use std::sync::Arc;
 pub use camera::{CameraMotion, Steadiness};
 pub(crate) use camera::{displaced, resampled, shifted};
 pub use channels::Channels;
-pub(crate) use channels::{Channel, Channelwise, Planes, Row, SHADOW_SHARE, classify, largest, levels, luma};
+pub(crate) use channels::{
+    Channel, ChannelModel, Channelwise, Common, Planes, Row, SHADOW_SHARE, classify, largest, levels, luma,
+};
 use declare::QUESTIONS;
 pub use declare::Settings;
 pub(crate) use declare::subtraction_pseudocode;
-pub(crate) use explain::{MaskHistory, plots};
-pub(crate) use explanation::{Comparison, Explanation, FrameComparison, in_channel, kind, most, of_channel, tuple};
+pub(crate) use explain::{MaskHistory, case, plots, put_blobs, value};
+pub(crate) use explanation::{
+    Cases, Comparison, Explanation, IN_CHANNEL, Probe, class, difference_rule, put_pixel, tuple,
+};
 pub use exposure::Exposure;
 pub(crate) use history::Accepted;
 pub use initial::Initial;
-pub use noise::{Differencing, NOISE_SIGMAS, automatic_threshold, noise_of};
+pub use noise::{Differencing, automatic_threshold, noise_of};
 pub(crate) use rows::{Flags, by_rows};
 pub use shadow::ShadowDetection;
 use shadow::enclosed;
-pub(crate) use shadow::{ShadowLimits, is_shadow};
+pub(crate) use shadow::{ShadowLimits, is_shadow, shadow_brightness};
 
 use camera::Camera;
 use exposure::Transfer;
@@ -47,7 +51,7 @@ use crate::run::{
     Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, Span, StageView,
     need, run_counted,
 };
-use crate::scene::{Canvas, Chart, Focus, Layer, Name, Picture, Question, Scene, Step};
+use crate::scene::{Canvas, Case, Chart, Focus, Layer, Name, Picture, Question, Scene, Step};
 
 /// A model of the background.
 pub trait Background: Params + Default + Clone + Send + Sync + 'static {
@@ -64,11 +68,7 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
     /// Whether the model is registered to each frame by a motion of the camera.
     const IS_REGISTERED: bool = false;
     /// The cause of a foreground that covers much of the frame, and what to do about it.
-    const FLOODED: [&'static str; 2] = [
-        "the camera moves, or the light has changed",
-        "This method needs a static camera and constant light. With a moving camera, compare the motion of objects with that of \
-         their surroundings (motion-compensated difference, optical flow, KLT, point trajectories).",
-    ];
+    const FLOODED: [&'static Case; 2] = [case::CAMERA_OR_LIGHT, case::USE_MOTION];
     /// The background model.
     type Model: Clone + Send + Sync + 'static;
 
@@ -85,18 +85,8 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
         None
     }
 
-    /// The parameters that all background subtractions have.
-    fn settings(&self) -> Settings;
-
-    /// The initialisation of the model.
-    fn initial(&self) -> Initial {
-        Initial::FirstFrame
-    }
-
-    /// The treatment of a camera that is not quite at rest, for models that are compared pixel by pixel.
-    fn steadiness(&self) -> Option<Steadiness> {
-        None
-    }
+    /// The parameters that background subtractions share.
+    fn setup(&self) -> Setup;
 
     /// Returns the model displaced by `by` px, whole ones unless each frame replaces it; what comes into the picture is initialised with the frame.
     fn moved(&self, model: &Self::Model, _by: [f32; 2], _frame: &Arc<Frame>) -> Self::Model {
@@ -180,16 +170,16 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
     /// The difference of a pixel from the background, as in [`Background::SHOWN`].
     fn difference(&self, model: &Self::Model, frame: &Frame, place: (usize, usize)) -> f32;
 
-    /// Explains the class of a pixel by the model before the frame, and the update by the model after it, once that exists.
-    fn explain(&self, models: [Option<&Self::Model>; 2], frame: &Frame, place: (usize, usize)) -> Explanation;
+    /// Explains the class of a pixel by the model before the frame, and the update by the model after it.
+    fn explain(&self, step: Step, probe: &Probe<Self::Model>) -> Explanation;
 
-    /// Further about the comparison of a frame with the model as a whole.
-    fn comparison(&self, _model: &Self::Model, _frame: &Frame) -> Option<FrameComparison> {
-        None
+    /// Puts the registration of the model to a frame; returns with it the cases that tell it.
+    fn comparison(&self, step: Step, _model: &Self::Model, _frame: &Frame) -> (Step, Cases) {
+        (step, Vec::new())
     }
 
-    /// The criterion of foreground pixels, as a sentence without its full stop.
-    fn rule(&self) -> String;
+    /// Puts the criterion of foreground pixels; returns with it the cases that tell it.
+    fn rule(&self, step: Step) -> (Step, Cases);
 
     /// The model as a checkpoint stores it, as small as possible.
     fn at_rest(&self, model: &Arc<Self::Model>) -> Arc<Self::Model> {
@@ -198,6 +188,17 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
 
     /// Memory of a model, in bytes.
     fn model_bytes(&self, model: &Self::Model) -> usize;
+}
+
+/// The parameters that background subtractions share.
+#[derive(Clone, Copy)]
+pub struct Setup {
+    /// The parameters of every background subtraction.
+    pub settings: Settings,
+    /// The initialisation of a model that has more memory than the previous frames.
+    pub initial: Option<Initial>,
+    /// The treatment of a camera that is not quite at rest, for models that are compared pixel by pixel.
+    pub steady: Option<Steadiness>,
 }
 
 /// The frames that a model has seen.
@@ -296,8 +297,6 @@ pub enum Event {
 /// The result of a frame, and its score where there is ground truth.
 #[derive(Clone, Debug, Default)]
 pub struct Conclusion {
-    /// Blobs of the frame.
-    pub(crate) blobs: usize,
     /// Pixels of its mask.
     pub(crate) foreground: usize,
     /// The share of the picture that differs from the background, without shadows.
@@ -382,13 +381,13 @@ impl<M: Background> Subtraction<M> {
     /// Returns the next frame; at the start of a run the picture that initialises the model.
     fn next_frame(&self, clip: &Clip, state: &State<M::Model>) -> Result<Arc<Frame>, Error> {
         match state.model {
-            None => initial::picture((self.0.initial(), self.0.steadiness()), clip, &state.span),
+            None => initial::picture(self.0.setup(), clip, &state.span),
             Some(_) => clip.frame(state.frame),
         }
     }
 
     fn is_followed(&self) -> bool {
-        self.0.steadiness().is_some_and(|steady| steady.camera == CameraMotion::Followed)
+        self.0.setup().steady.is_some_and(|steady| steady.camera == CameraMotion::Followed)
     }
 
     /// Begins to follow the camera, if that is asked for.
@@ -421,7 +420,7 @@ impl<M: Background> Subtraction<M> {
 
     /// The change of the exposure from the model, which will be shifted by `by` px, to a frame.
     fn transfer(&self, model: &M::Model, by: [f32; 2], frame: &Frame) -> Option<Transfer> {
-        let steady = self.0.steadiness().filter(|steady| steady.exposure == Exposure::Compensated);
+        let steady = self.0.setup().steady.filter(|steady| steady.exposure == Exposure::Compensated);
         steady.and_then(|_| {
             Transfer::between(frame.luma(), displaced_by(by, frame.size(), |at| self.0.expected(model, at)))
         })
@@ -459,7 +458,7 @@ impl<M: Background> Subtraction<M> {
         });
         // Shake is judged by the model that the frame was compared with, not by what it has just learned.
         let before =
-            (M::IS_REPLACED || self.0.steadiness().is_some_and(|steady| steady.shake > 0)).then(|| Arc::clone(model));
+            (M::IS_REPLACED || self.0.setup().steady.is_some_and(|steady| steady.shake > 0)).then(|| Arc::clone(model));
         let Found { mut mask, shadows } = self.0.subtract(Arc::make_mut(model), &frame, threads);
         observer.see(|| Event::Decided(Arc::new(mask.clone())));
         if let Some(shadows) = shadows {
@@ -472,7 +471,7 @@ impl<M: Background> Subtraction<M> {
             mask = mask.without(&displaced);
             observer.see(|| Event::Steadied(Arc::new(mask.clone()), Arc::new(displaced)));
         }
-        let mut found = blobs(self.0.settings(), mask, frame.luma(), observer);
+        let mut found = blobs(self.0.setup().settings, mask, frame.luma(), observer);
         if let Some(Camera { at, .. }) = state.camera {
             found
                 .detections
@@ -508,10 +507,9 @@ impl<M: Background> Subtraction<M> {
             all.fold(Matches::of_pixels(last), Matches::and)
         });
         // Only a model with memory keeps ghosts of its first frame.
-        let is_ghostly = self.0.get("initial").is_ok() && self.0.initial() == Initial::FirstFrame;
+        let is_ghostly = self.0.setup().initial == Some(Initial::FirstFrame);
         let ghosts = truth(first).zip(truth(t)).filter(|_| is_ghostly).map(<[_; 2]>::from);
         Conclusion {
-            blobs: found.detections.len(),
             foreground: found.mask.as_ref().map_or(0, PackedMask::count),
             differing: differing as f64 / (state.picture.0 * state.picture.1).max(1) as f64,
             camera: state.camera.as_ref().map(|camera| camera.at),
@@ -550,7 +548,7 @@ impl<M: Background> Estimator for Subtraction<M> {
     type Event = Event;
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<Self::State, Error> {
-        let span = Span::new(clip, frame, self.0.settings().frames)?;
+        let span = Span::new(clip, frame, self.0.setup().settings.frames)?;
         Ok(State { span, frame, picture: clip.size(), model: None, camera: None, record: Record::default() })
     }
 
@@ -624,9 +622,9 @@ impl<M: Background> Footprint<State<M::Model>> for Subtraction<M> {
         // A walk holds the model before a frame, after it, in a checkpoint and in work, and the pictures shown.
         let walked = Need { walk: 4 * model.walk, ..model };
         // The suppression of shake looks at a copy from before the update.
-        let is_copied = self.0.steadiness().is_some_and(|steady| steady.shake > 0);
+        let is_copied = self.0.setup().steady.is_some_and(|steady| steady.shake > 0);
         let walked = if is_copied { walked.and([model.run as f64, model.walk as f64]) } else { walked };
-        need_of_blobs(clip, self.0.settings(), walked)
+        need_of_blobs(clip, self.0.setup().settings, walked)
     }
 
     fn at_rest(&self, state: &State<M::Model>) -> State<M::Model> {

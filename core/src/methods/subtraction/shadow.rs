@@ -38,6 +38,12 @@ pub struct ShadowLimits {
 /// background subtraction and shadow detection, ICCV frame-rate workshop 1999). The noise of a sensor does not shrink in a shadow.
 #[inline(always)]
 pub fn is_shadow<const C: usize>(pixel: [f32; C], mean: [f32; C], limits: ShadowLimits) -> bool {
+    shadow_brightness(pixel, mean, limits).is_some()
+}
+
+/// The brightness of a shadow on `mean`, as a share of that; `None` for another pixel. As [`is_shadow`].
+#[inline(always)]
+pub fn shadow_brightness<const C: usize>(pixel: [f32; C], mean: [f32; C], limits: ShadowLimits) -> Option<f32> {
     let (mut along, mut square) = (0.0, 0.0);
     for c in 0..C {
         along += pixel[c] * mean[c];
@@ -50,7 +56,7 @@ pub fn is_shadow<const C: usize>(pixel: [f32; C], mean: [f32; C], limits: Shadow
         bright += pixel[c] * pixel[c];
     }
     // A black mean has no colour: `light` is not a number.
-    light >= limits.darkest && light <= 1.0 && off <= limits.limit + TINT * TINT * bright
+    (light >= limits.darkest && light <= 1.0 && off <= limits.limit + TINT * TINT * bright).then_some(light)
 }
 
 /// The radius of the opening that foreground beside a shadow survives, in px: single pixels are noise.

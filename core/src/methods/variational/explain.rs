@@ -41,6 +41,7 @@ impl<M: Model> Variational<M> {
         let (line, sentence, mut readouts) = match (seen.events.last(), Probe::at(seen)) {
             (None, _) => {
                 return Step {
+                    values: Vec::new(),
                     line: line::ENERGY,
                     sentence: Sentence::default().text(M::OPENING),
                     readouts: Vec::new(),
@@ -64,7 +65,7 @@ impl<M: Model> Variational<M> {
         };
         readouts.extend(self.series(seen).into_iter().map(Readout::Series));
         readouts.extend(self.stack(seen).map(Readout::Stack));
-        Step { line, sentence, readouts }
+        Step { values: Vec::new(), line, sentence, readouts }
     }
 
     /// Adds the conclusion of an iteration and of the run, at the end of each.
@@ -99,7 +100,7 @@ impl<M: Model> Variational<M> {
         let [across, down] = frames.scale(frames.count() - 1);
         let conclusion = Conclusion::new(&frames.frame_pair, &after.flow(), across.max(down));
         // The end of the run is about its result alone; what the last iteration changed stands in the facts.
-        let said = Sentence::default().text(conclusion.sentence(&M::ADVICE).trim_start());
+        let said = conclusion.tell(Step::at(line::WARP), &M::ADVICE).sentence;
         let said = match is_tested && note.change >= tolerance {
             true => said.text(format!(
                 " Not converged: the last iteration still changed the flow by {precise} px on average. More iterations \
@@ -303,7 +304,7 @@ fn plane<M: Model>(state: &State<M>, probe: &Probe<M>, explanation: &Explanation
             let (place, scale) = (<[usize; 2]>::from(probe.place), probe.scale);
             let at = [0, 1].map(|i| (place[i] as f32 + 0.5) * scale[i] - 0.5);
             let footing = Footing { px: scale[0], ..Footing::new(Picture::CURRENT, at) };
-            PlaneCost::sampled(("energy up to a constant", "gray levels²"), (center, reach), 1, energy).on(footing)
+            PlaneCost::sampled(("energy up to a constant", M::ENERGY_UNIT), (center, reach), 1, energy).on(footing)
         }),
         path: Vec::new(),
         groups: Vec::new(),

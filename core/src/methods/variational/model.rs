@@ -207,6 +207,6 @@ pub struct Explanation {
     pub points: Vec<(&'static str, Role, [f32; 2])>,
     /// Constraint lines.
     pub lines: Vec<Constraint>,
-    /// The energy that the step minimises over the flow of the pixel, in gray levels² and up to a constant, where it does.
+    /// The energy that the step minimises over the flow of the pixel, where it does, in [`Model::ENERGY_UNIT`] up to a constant.
     pub energy: Option<Box<dyn Fn([f32; 2]) -> f32>>,
 }

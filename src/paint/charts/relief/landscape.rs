@@ -410,6 +410,20 @@ mod tests {
     }
 
     #[test]
+    fn a_ball_rolls_over_the_surface_along_the_last_move() {
+        let surface = Surface { trail: vec![[-8.0, -8.0], [-4.0, -1.0], [2.0, -3.0]], ..surface() };
+        let leaned = landscape(&surface, 1.0);
+        for (share, at) in [(0.0, [-4.0, -1.0]), (0.5, [-1.0, -2.0]), (1.0, [2.0, -3.0])] {
+            let cost = surface.interpolated(at).expect("inside");
+            let on_surface = leaned.project(leaned.bench.place(at, cost)).expect("seen");
+            assert_eq!(leaned.rolling(share), Some(on_surface), "after {share} of its way");
+        }
+        let of = |trail: Vec<[f32; 2]>| Surface { trail, ..surface.clone() };
+        assert_eq!(landscape(&of(vec![[2.0, -3.0]]), 1.0).rolling(0.5), None, "it has not moved yet");
+        assert_eq!(landscape(&of(vec![[2.0, -3.0], [20.0, 0.0]]), 1.0).rolling(1.0), None, "beyond the surface");
+    }
+
+    #[test]
     fn a_displacement_is_found_where_it_is_seen() {
         let surface = surface();
         for amount in [0.0, 0.4, 1.0] {

@@ -16,7 +16,7 @@ use crate::paint::charts::heat_map;
 use crate::paint::charts::relief::mesh::{self, Relief as Mesh};
 use crate::paint::charts::relief::{self, Around, LINES, Relief};
 use crate::paint::charts::{Drawing, Screen};
-use crate::paint::{ColorMap, Layer, Theme};
+use crate::paint::{ColorMap, Layer, Theme, primitive};
 use crate::ui::drawing::chart::{Chart, Subject};
 use gpu::Gpu;
 
@@ -139,14 +139,33 @@ impl Renderer {
         }
         let Some((_, mesh)) = &self.mesh else { return };
         let scale = painter.pixels_per_point();
-        let rect = Rect::from_min_max(seen.screen.rect.min.into(), seen.screen.rect.max.into());
-        let size = [rect.width(), rect.height()].map(|c| (c * scale).round() as u32);
-        let job = gpu::Job { relief: (mesh, key), view: view(seen, theme, scale), size };
+        let Some((part, size)) = covered(mesh, seen.screen, scale) else { return };
+        let rect = Rect::from_min_max(part.min.into(), part.max.into());
+        let screen = &seen.screen.cut(part);
+        let job = gpu::Job { relief: (mesh, key), view: view(Seen { screen, ..seen }, theme, scale), size };
         if let Some(id) = self.gpu.get_or_insert_with(|| Gpu::new(card)).render(&job) {
             let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
             painter.add(Shape::image(id, rect, whole, Color32::WHITE.gamma_multiply(seen.opacity)));
         }
     }
+}
+
+/// The part of `screen` that a mesh covers, and its size in pixels: each costs time where the processor has to draw.
+fn covered(mesh: &Mesh, screen: &Screen, scale: f32) -> Option<(primitive::Rect, [u32; 2])> {
+    /// Sides grow by this many pixels at a time, so that no new picture is needed for each angle.
+    const STEP: u32 = 64;
+    let seen: Vec<_> = mesh.vertices.iter().map(|vertex| screen.project(vertex.place.into())).collect();
+    let is_behind_the_eye = seen.iter().any(|(_, depth)| *depth > 1.0);
+    let [across, down] = [0, 1].map(|i| {
+        let [from, to] = [screen.rect.min[i], screen.rect.max[i]];
+        let (least, most) = seen.iter().fold((to, from), |(least, most), (at, _)| (least.min(at[i]), most.max(at[i])));
+        let (least, most) = if is_behind_the_eye { (from, to) } else { (least.max(from), most.min(to)) };
+        let [first, end] = [((least - from) * scale).floor(), ((most - from) * scale).ceil()];
+        (end > first).then(|| (from + first / scale, ((end - first) as u32).next_multiple_of(STEP)))
+    });
+    let ((left, width), (top, height)) = (across?, down?);
+    let size = [width, height];
+    Some((primitive::Rect::new([left, top], size.map(|side| side as f32 / scale)), size))
 }
 
 /// A number that changes when the triangles do.

@@ -112,7 +112,7 @@ impl Guesses {
                 (directed, DIRECTIONS.to_vec(), told, off, ("px", 1))
             }
             Answer::Number { value, shown } => {
-                let unit = if let Asked::Number(reading) = question.asked { reading.unit } else { "" };
+                let unit = question.unit();
                 let decimals = shown.split_once('.').map_or(0, |(_, decimals)| decimals.len());
                 let off = nearest(self.numbers.iter().map(|guess| (guess - value).abs()));
                 (Vec::new(), choices, [shown, unit].join(" ").trim_end().to_owned(), off, (unit, decimals))
@@ -280,7 +280,7 @@ fn mark(scene: &mut Scene, guesses: &Guesses) {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::scene::{Case, Reading};
+    use motionscope_core::scene::{Reading, Reply};
 
     use super::*;
 
@@ -289,7 +289,7 @@ mod tests {
     }
 
     const CHOICE: Question =
-        Question::choice("a", "A?", &[Case::says(line::TEST, "is", "Yes"), Case::at(line::TEST, "No")]);
+        Question::choice("a", "A?", &[Reply::says(line::TEST, "is", "Yes"), Reply::at(line::TEST, "No")]);
     const PLACE: Question = Question::place("b", "B?", line::TEST, Role::Best);
     const NUMBER: Question =
         Question::number("c", "C?", Reading { line: line::TEST, after: "", before: " px", unit: "px" });

@@ -1,18 +1,12 @@
 //! The explanation and the drawing of feature matching.
 
-use super::{Event, FeatureMatching, State, line};
-use crate::base::words::{self, grouped};
+use super::{Event, FeatureMatching, State, case, features, line, value};
 use crate::methods::differential::explain;
 use crate::methods::matching::{Event as Compared, Neighbors, Outcome};
 use crate::products::keypoints::{Descriptor, Keypoint, WINDOW_SIGMAS};
 use crate::products::{Match, MatchField, MatchStatus};
 use crate::run::Seen;
-use crate::scene::{Fact, Link, Math, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step, Tile};
-
-/// Distances of descriptors have three decimals.
-fn apart(distance: f32) -> String {
-    words::fixed(distance.into(), 3)
-}
+use crate::scene::{Link, Picture, Readout, Role, Scene, Series, Shape, Step, Tile};
 
 /// Number of ratio limits in the plot of precision.
 const LIMITS: usize = 20;
@@ -20,179 +14,149 @@ const LIMITS: usize = 20;
 impl FeatureMatching {
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
         let state = seen.before;
-        let counts = state.fixed.pair.sides.each_ref().map(|side| grouped(side.points.len()));
-        let Some(last) = seen.events.last().copied() else {
-            let sentence = format!(
-                "A keypoint is found again by its descriptor. {} keypoints of frame t are compared with {} of frame t+1; a match is a nearest \
-                 neighbour that passes two tests.",
-                counts[0], counts[1]
-            );
-            return Step { line: line::DETECT, sentence: Sentence::default().text(sentence), readouts: Vec::new() };
-        };
-        let (line, sentence) = match last {
-            Event::Nothing => {
-                let why = "Frame t has 0 keypoints, and a match needs at least 1. A lower threshold of the detector finds weaker ones.";
-                (line::EACH_KEYPOINT, Sentence::default().text(why))
-            }
-            Event::Of(event) => self.said(seen, event),
-        };
+        let [here, there] = state.fixed.pair.sides.each_ref().map(|side| side.points.len());
         let is_end = seen.after.is_some_and(|after| after.found.len() >= after.count());
-        let sentence =
-            if is_end { concluded(seen.after.unwrap_or(state), self.settings.ratio, sentence) } else { sentence };
-        Step { line, sentence, readouts: self.readouts(seen, is_end) }
+        let step = match seen.events.last() {
+            None => {
+                let step = Step::at(line::DETECT).put(features::KEYPOINTS, here).put(value::KEYPOINTS_THERE, there);
+                return step.say(case::OPENING);
+            }
+            Some(Event::Nothing) => Step::at(line::EACH_KEYPOINT).say(case::NO_KEYPOINTS),
+            Some(Event::Of(event)) => self.compared(seen, *event, is_end),
+        };
+        if is_end { self.concluded(seen.after.unwrap_or(state), step) } else { step }
     }
 
-    fn said(&self, seen: &Seen<Self>, event: Compared) -> (Name, Sentence) {
-        let (state, said) = (seen.before, Sentence::default());
+    /// Explains an event of the comparison of a keypoint.
+    fn compared(&self, seen: &Seen<Self>, event: Compared, is_end: bool) -> Step {
+        let (state, index) = (seen.before, seen.before.found.len());
         let [here, there] = state.fixed.pair.sides.each_ref();
-        let at = |index: usize| words::place(there.points[index].at);
-        let from = words::place(here.points[state.found.len().min(here.points.len() - 1)].at);
-        match event {
+        let line = match event {
+            Compared::Nearer { .. } => line::EACH_CANDIDATE,
+            Compared::Candidates(_) => line::EACH_KEYPOINT,
+            Compared::Found(_) => line::KEEP_NEAREST,
+            Compared::Ratio { .. } => line::RATIO_TEST,
+            Compared::CrossCheck { .. } => line::CROSS_CHECK,
+            Compared::Outcome(outcome) => match outcome.map(|outcome| outcome.status) {
+                None => line::KEEP_NEAREST,
+                Some(MatchStatus::RejectedRatio) => line::RATIO_TEST,
+                Some(MatchStatus::RejectedCrossCheck) => line::CROSS_CHECK,
+                Some(MatchStatus::Match | MatchStatus::Outlier) => line::ACCEPT,
+            },
+        };
+        let neighbors = neighbors(seen);
+        let step = Step::at(line).fact(features::KEYPOINT, index + 1).fact(features::KEYPOINTS, here.points.len());
+        let step = self.measured(step.fact(features::POSITION, here.points[index].at), &neighbors, state);
+        let is_near = self.settings.radius > 0;
+        let step = match event {
             Compared::Nearer { index, distance } => {
-                let sentence = said.ink(Role::Candidate, at(index)).text(format!(
-                    " in frame t+1: descriptor distance d = {} from keypoint {from}, the nearest so far.",
-                    apart(distance)
-                ));
-                (line::EACH_CANDIDATE, sentence)
+                step.put(value::CANDIDATE, there.points[index].at).put(value::DISTANCE, distance).say(case::NEARER)
             }
-            Compared::Candidates(count) => {
-                let within = match self.settings.radius {
-                    0 => "in the whole frame".to_owned(),
-                    radius => format!("within the search radius of {radius} px"),
-                };
-                let sentence = match count {
-                    0 => format!("Keypoint {from} has no candidate {within}."),
-                    count => format!("Keypoint {from} was compared with all {} candidates {within}.", grouped(count)),
-                };
-                (line::EACH_KEYPOINT, said.text(sentence))
+            Compared::Candidates(count) => step.put(value::CANDIDATES, count).say(match (count, is_near) {
+                (0, false) => case::NO_CANDIDATE,
+                (0, true) => case::NO_CANDIDATE_NEAR,
+                (_, false) => case::COMPARED,
+                (_, true) => case::COMPARED_NEAR,
+            }),
+            Compared::Found(Neighbors { first, second }) => step.say(match (first, second) {
+                (Some(_), Some(_)) => case::TWO,
+                (Some(_), None) => case::ONE,
+                _ => case::NONE,
+            }),
+            Compared::Ratio { ratio: None, .. } => {
+                step.say(case::IS_UNDEFINED).say(case::IS_NOT_BELOW).say(case::EQUAL)
             }
-            Compared::Found(Neighbors { first, second }) => {
-                let sentence = match (first, second) {
-                    (Some((a, first)), Some((b, second))) => said
-                        .text("Nearest neighbour ")
-                        .ink(Role::Best, at(a))
-                        .text(format!(", d₁ = {}; second nearest ", apart(first)))
-                        .ink(Role::Rejected, at(b))
-                        .text(format!(", d₂ = {}.", apart(second))),
-                    (Some((a, first)), None) => said
-                        .text("The only candidate is ")
-                        .ink(Role::Best, at(a))
-                        .text(format!(", d₁ = {}: without a second one there is no ratio to test.", apart(first))),
-                    _ => said.text("Without a candidate there is no nearest neighbour."),
-                };
-                (line::KEEP_NEAREST, sentence)
-            }
-            Compared::Ratio { ratio, passes } => (line::RATIO_TEST, said.text(self.ratio_said(ratio, passes))),
-            Compared::CrossCheck { back, passes } => {
-                let sentence = match passes {
-                    true => said.text("Cross-check: the nearest neighbour of b in frame t is the keypoint itself, so both choose each other."),
-                    false => said
-                        .text("Cross-check: the nearest neighbour of b in frame t is ")
-                        .ink(Role::Rejected, words::place(here.points[back].at))
-                        .text(", another keypoint: rejected."),
-                };
-                (line::CROSS_CHECK, sentence)
-            }
-            Compared::Outcome(outcome) => {
-                let line = match outcome.map(|outcome| outcome.status) {
-                    None => line::KEEP_NEAREST,
-                    Some(MatchStatus::RejectedRatio) => line::RATIO_TEST,
-                    Some(MatchStatus::RejectedCrossCheck) => line::CROSS_CHECK,
-                    Some(MatchStatus::Match | MatchStatus::Outlier) => line::ACCEPT,
-                };
-                (line, self.outcome_said(state, outcome))
-            }
+            Compared::Ratio { passes: true, .. } => step.say(case::MEASURED).say(case::IS_BELOW),
+            Compared::Ratio { .. } => step.say(case::MEASURED).say(case::IS_NOT_BELOW).say(case::ALIKE),
+            Compared::CrossCheck { passes: true, .. } => step.say(case::MUTUAL),
+            Compared::CrossCheck { back, .. } => step.put(value::BACK, here.points[back].at).say(case::NOT_MUTUAL),
+            Compared::Outcome(None) => step.say(case::NO_OUTCOME),
+            Compared::Outcome(Some(outcome)) => self.decided(step, state, &outcome),
+        };
+        if is_end {
+            let after = seen.after.unwrap_or(state);
+            return step.show_all([distances(after), self.precision(after)].into_iter().flatten().map(Readout::Series));
         }
+        let other = neighbors.first.map(|(index, _)| &there.keypoints[index]);
+        let step = match (neighbors.second, neighbors.ratio()) {
+            (None, _) => step,
+            (_, Some(_)) => step.formula(r"\frac{d_1}{d_2} = \frac{{d_1}}{{d_2}} = {ratio}"),
+            (_, None) => step.formula(r"\frac{d_1}{d_2} = \frac{{d_1}}{{d_2}}\text{ is undefined}"),
+        };
+        let step = step.show(Readout::Tiles(self.tiles(state, index, &neighbors)));
+        step.show_all(descriptors(&here.keypoints[index], other).map(Readout::Series))
     }
 
-    fn ratio_said(&self, ratio: Option<f32>, passes: bool) -> String {
-        let limit = words::fine(self.settings.ratio);
-        let Some(ratio) = ratio else {
-            return format!(
-                "Ratio test: d₁ and d₂ are both 0, so d₁ / d₂ is undefined and is not below the limit {limit}: two candidates match exactly, and \
-                 neither is nearer. Rejected."
-            );
-        };
-        match passes {
-            true => format!(
-                "Ratio test: d₁ / d₂ = {} is below the limit {limit}, so the match is distinctive.",
-                words::fine(ratio)
-            ),
-            false => format!(
-                "Ratio test: d₁ / d₂ = {} is not below the limit {limit}: two candidates look alike, so the nearest may be wrong. Rejected.",
-                words::fine(ratio)
-            ),
-        }
-    }
-
-    fn outcome_said(&self, state: &State, outcome: Option<Outcome>) -> Sentence {
-        let said = Sentence::default();
-        let Some(outcome) = outcome else { return said.text("No candidate, so no match.") };
-        let found = state.match_of(state.found.len(), &outcome);
-        let [u, v] = found.displacement().map(words::fine);
-        let sentence = match found.status {
-            MatchStatus::Match => said.ink(Role::Result, "Match").text(format!(" with the displacement ({u}, {v}) px")),
-            MatchStatus::RejectedRatio => said.ink(Role::Rejected, "No match").text(" after the ratio test"),
-            _ => said.ink(Role::Rejected, "No match").text(" after the cross-check"),
-        };
-        let is_right = state.fixed.truth.as_ref().and_then(|truth| MatchField::is_right(&found, truth));
-        let sentence = match (is_right, found.status) {
-            (Some(true), MatchStatus::Match) => sentence.text(": correct, within 3 px of the true displacement."),
-            (Some(false), MatchStatus::Match) => sentence.text(": wrong, more than 3 px from the true displacement."),
-            (Some(true), _) => sentence.text(", although the nearest neighbour is correct."),
-            (Some(false), _) => sentence.text("; the nearest neighbour is wrong."),
-            (None, _) => sentence.text("."),
-        };
-        match outcome.neighbors.second {
-            None if self.settings.ratio < 1.0 => {
-                sentence.text(" It was the only candidate, so there was no ratio to test.")
-            }
-            _ => sentence,
-        }
-    }
-
-    fn readouts(&self, seen: &Seen<Self>, is_end: bool) -> Vec<Readout> {
-        let state = seen.before;
-        let index = state.found.len();
-        let [here, there] = state.fixed.pair.sides.each_ref();
-        let Some(keypoint) = here.keypoints.get(index) else { return Vec::new() };
-        let found = seen.events.iter().rev().find_map(|event| match event {
-            Event::Of(Compared::Found(neighbors)) => Some(*neighbors),
-            _ => None,
-        });
-        let nearer = seen.events.iter().rev().find_map(|event| match event {
-            Event::Of(Compared::Nearer { index, distance }) => Some((*index, *distance)),
-            _ => None,
-        });
-        let neighbors = found.unwrap_or(Neighbors { first: nearer, second: None });
-        let mut facts = vec![
-            Fact::new("Keypoint", format!("{} of {}", index + 1, here.points.len()), None),
-            Fact::new("Position", format!("{} px", words::place(here.points[index].at)), Some(Role::Reference)),
-        ];
-        let neighbor = |label, role, (index, distance): (usize, f32)| {
-            Fact::new(label, format!("{} at {} px", apart(distance), words::place(there.points[index].at)), Some(role))
-        };
-        facts.extend(neighbors.first.map(|first| neighbor("Nearest, d₁", Role::Best, first)));
-        facts.extend(neighbors.second.map(|second| neighbor("Second nearest, d₂", Role::Rejected, second)));
+    /// Puts the neighbours of a keypoint that are known, and the limits of the tests.
+    fn measured(&self, step: Step, neighbors: &Neighbors, state: &State) -> Step {
+        let at = |index: usize| state.fixed.pair.sides[1].points[index].at;
+        let Neighbors { first, second } = neighbors;
+        let step = step.fact_if(value::NEAREST, first.map(|(index, _)| at(index)));
+        let step = step.fact_if(value::D_1, first.map(|(_, distance)| distance));
+        let step = step.fact_if(value::SECOND, second.map(|(index, _)| at(index)));
+        let step = step.fact_if(value::D_2, second.map(|(_, distance)| distance));
+        let step = neighbors.ratio().into_iter().fold(step, |step, ratio| step.put(value::RATIO, ratio));
         let accepted = state.found.iter().flatten().filter(|outcome| outcome.status == MatchStatus::Match).count();
-        facts.push(Fact::new("Matches so far", grouped(accepted), Some(Role::Result)));
-        let mut all = vec![Readout::Facts(facts)];
-        // The end sums up all keypoints.
-        if !is_end {
-            all.extend(Self::ratio_equation(&neighbors).map(Readout::Equation));
-            all.push(Readout::Tiles(self.tiles(state, index, &neighbors)));
-        }
-        let after = seen.after.unwrap_or(state);
-        all.extend(match is_end {
-            true => {
-                [distances(after), self.precision(after)].into_iter().flatten().map(Readout::Series).collect::<Vec<_>>()
-            }
-            false => {
-                let other = neighbors.first.map(|(index, _)| &there.keypoints[index]);
-                descriptors(keypoint, other).into_iter().map(Readout::Series).collect()
-            }
+        let step = step.fact(value::MATCHES, accepted).put(value::LIMIT, self.settings.ratio);
+        step.put(value::RADIUS, self.settings.radius)
+    }
+
+    /// Explains the outcome of the tests.
+    fn decided(&self, step: Step, state: &State, outcome: &Outcome) -> Step {
+        let found = state.match_of(state.found.len(), outcome);
+        let step = step.put(value::DISPLACEMENT, found.displacement());
+        let step = step.say(match found.status {
+            MatchStatus::Match => case::MATCH,
+            MatchStatus::RejectedRatio => case::FAILS_RATIO,
+            _ => case::FAILS_CROSS_CHECK,
         });
-        all
+        let is_right = state.fixed.truth.as_ref().and_then(|truth| MatchField::is_right(&found, truth));
+        let step = step.say(match (is_right, found.status) {
+            (Some(true), MatchStatus::Match) => case::IS_RIGHT,
+            (Some(false), MatchStatus::Match) => case::IS_WRONG,
+            (Some(true), _) => case::WAS_RIGHT,
+            (Some(false), _) => case::WAS_WRONG,
+            (None, _) => case::IS_UNKNOWN,
+        });
+        step.say_if(outcome.neighbors.second.is_none() && self.settings.ratio < 1.0, case::WAS_ALONE)
+    }
+
+    /// Adds the conclusion at the end of a run.
+    fn concluded(&self, state: &State, step: Step) -> Step {
+        let (all, limit): (Vec<Match>, f32) = (state.matches().collect(), self.settings.ratio);
+        if state.count() == 0 {
+            return step.say(case::NO_MATCHES);
+        }
+        let accepted = || all.iter().filter(|found| found.status == MatchStatus::Match);
+        let count = |status| all.iter().filter(|found| found.status == status).count();
+        let rejected = count(MatchStatus::RejectedRatio);
+        let step = step.put(value::MATCHES, accepted().count()).put(value::REJECTED_BY_RATIO, rejected);
+        let step = step.put(value::REJECTED_BY_CROSS_CHECK, count(MatchStatus::RejectedCrossCheck)).say(case::END);
+        let untested = accepted().filter(|found| found.ratio.is_none()).count();
+        let step = step.put(value::UNTESTED, untested);
+        let step = match untested {
+            _ if limit >= 1.0 => step,
+            0 => step,
+            1 => step.say(case::ONE_UNTESTED),
+            _ => step.say(case::SOME_UNTESTED),
+        };
+        let errors = state.fixed.truth.as_ref().map(|truth| MatchField::compare(accepted(), truth));
+        let step = match errors.and_then(|errors| Some((errors.precision()?, errors))) {
+            Some((precision, errors)) => {
+                let step = step.put(value::RIGHT, errors.right).put(value::KNOWN, errors.known);
+                let step = step.put(value::PRECISION, 100.0 * precision).say(case::QUALITY);
+                step.say_if(state.fixed.is_of_plane && errors.right < errors.known, case::OFF_PLANE)
+            }
+            None => step,
+        };
+        match (accepted().count(), rejected) {
+            (0, 0) => step.say_if(state.fixed.pair.sides[1].points.is_empty(), case::NOTHING_THERE),
+            (0, _) => match all.iter().filter_map(|found| found.ratio).reduce(f32::min) {
+                Some(least) => step.put(value::SMALLEST_RATIO, least).say(case::RAISE_LIMIT),
+                None => step.say(case::ALL_UNDEFINED),
+            },
+            _ => step.say(if limit >= 1.0 { case::SET_LIMIT } else { case::LOWER_LIMIT }),
+        }
     }
 
     /// Precision and share of the nearest neighbours that limits of the ratio accept, where the truth is known; else the share alone.
@@ -227,18 +191,6 @@ impl FeatureMatching {
             chosen: Some(self.settings.ratio),
             ..Series::default()
         })
-    }
-
-    fn ratio_equation(neighbors: &Neighbors) -> Option<Vec<Math>> {
-        let ((_, first), (_, second)) = (neighbors.first?, neighbors.second?);
-        let ratio = neighbors.ratio();
-        let index = |i: &'static str| Math::indexed(Math::Var("d"), Math::text(i));
-        Some(vec![Math::Row(vec![
-            Math::over(index("1"), index("2")),
-            Math::text(" = "),
-            Math::over(Math::ink(Role::Best, apart(first)), Math::ink(Role::Rejected, apart(second))),
-            Math::text(ratio.map_or_else(|| " is undefined".into(), |ratio| format!(" = {}", words::fine(ratio)))),
-        ])])
     }
 
     /// The neighbourhoods of the keypoint and of its neighbours.
@@ -345,70 +297,17 @@ fn link(role: Role, from: [f32; 2], to: [f32; 2]) -> Link {
     Link { role, ends: [(Picture::CURRENT, from), (Picture::NEXT, to)] }
 }
 
-/// What the truth of a plane leaves open.
-const OFF_PLANE: &str =
-    " The truth is a homography, which holds for one plane: a correct match of a point off the plane counts as wrong.";
-
-fn concluded(state: &State, limit: f32, sentence: Sentence) -> Sentence {
-    if state.count() == 0 {
-        return sentence.text(" End of the run without matches.");
-    }
-    let all: Vec<Match> = state.matches().collect();
-    let count = |status| all.iter().filter(|found| found.status == status).count();
-    let accepted = count(MatchStatus::Match);
-    let errors = state
-        .fixed
-        .truth
-        .as_ref()
-        .map(|truth| MatchField::compare(all.iter().filter(|found| found.status == MatchStatus::Match), truth));
-    let quality = match errors.and_then(|errors| Some((errors, errors.precision()?))) {
-        Some((errors, precision)) => format!(
-            " {} of {} with known true displacement are correct, {:.1} %.{}",
-            errors.right,
-            errors.known,
-            100.0 * precision,
-            if state.fixed.is_of_plane && errors.right < errors.known { OFF_PLANE } else { "" }
-        ),
-        None => String::new(),
-    };
-    let rejected = [count(MatchStatus::RejectedRatio), count(MatchStatus::RejectedCrossCheck)];
-    let advice = match (accepted, rejected[0]) {
-        (0, 0) if state.fixed.pair.sides[1].points.is_empty() => {
-            " Frame t+1 has 0 keypoints, and a match needs at least 1.".to_owned()
-        }
-        (0, 0) => String::new(),
-        (0, _) => {
-            let least = all.iter().filter_map(|found| found.ratio).reduce(f32::min);
-            least.map_or_else(
-                || " All ratios are undefined: each keypoint has two candidates at distance 0.".into(),
-                |least| {
-                    format!(
-                        " The smallest ratio is {}, and the limit is {}; a higher one accepts more.",
-                        words::fine(least),
-                        words::fine(limit)
-                    )
-                },
-            )
-        }
-        _ if limit >= 1.0 => {
-            " A ratio limit below 1 rejects nearest neighbours that are hardly nearer than the second.".to_owned()
-        }
-        _ => " A lower ratio limit rejects more wrong matches, but on repeating texture correct ones too.".to_owned(),
-    };
-    let alone = all.iter().filter(|found| found.status == MatchStatus::Match && found.ratio.is_none()).count();
-    let untested = match alone {
-        0 => String::new(),
-        _ if limit >= 1.0 => String::new(),
-        1 => " 1 match had a single candidate, so it passed without a ratio test.".to_owned(),
-        count => format!(" {} matches had a single candidate, so they passed without a ratio test.", grouped(count)),
-    };
-    sentence.text(format!(
-        " End of the run: {} of {} keypoints matched; the ratio test rejected {}, the cross-check {}.{untested}{quality}{advice}",
-        grouped(accepted),
-        grouped(state.count()),
-        grouped(rejected[0]),
-        grouped(rejected[1])
-    ))
+/// The neighbours of the keypoint as far as they are found.
+fn neighbors(seen: &Seen<FeatureMatching>) -> Neighbors {
+    let found = seen.events.iter().rev().find_map(|event| match event {
+        Event::Of(Compared::Found(neighbors)) => Some(*neighbors),
+        _ => None,
+    });
+    let nearer = seen.events.iter().rev().find_map(|event| match event {
+        Event::Of(Compared::Nearer { index, distance }) => Some((*index, *distance)),
+        _ => None,
+    });
+    found.unwrap_or(Neighbors { first: nearer, second: None })
 }
 
 /// The entries of two descriptors of real values.

@@ -1,154 +1,96 @@
 //! The explanation and the drawing of feature tracking by matching.
 
-use super::{Event, FeatureTracker, Linked, Pair, line};
-use crate::base::words::{self, grouped};
-use crate::methods::differential::numbers;
+use super::{Event, FeatureTracker, Linked, Pair, case, features, line, value};
 use crate::methods::features::trails::{self, points};
 use crate::products::MatchStatus;
 use crate::run::Seen;
-use crate::scene::{Arrow, Fact, Link, Name, Picture, Readout, Role, Scene, Sentence, Step};
-
-fn apart(distance: f32) -> String {
-    words::fixed(distance.into(), 3)
-}
+use crate::scene::{Arrow, Link, Name, Number, Picture, Role, Scene, Step};
 
 impl FeatureTracker {
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
-        let Some(event) = seen.events.last() else {
-            let said = format!(
-                "Keypoints are detected in every frame and matched with those of the next one by their descriptors. Consecutive matches form a \
-                 track, through at most {} frames. Unlike in KLT, the motion may be large, but a keypoint must be \
-                 detected again.",
-                self.frames
-            );
-            return Step { line: line::EACH_PAIR, sentence: Sentence::default().text(said), readouts: Vec::new() };
+        let step = match seen.events.last() {
+            None => return Step::at(line::EACH_PAIR).put(value::FRAMES, self.frames).say(case::OPENING),
+            Some(Event::Detected(pair)) => self.detected(seen, pair),
+            Some(Event::Linked(pair, linked)) => Self::linked(seen, pair, linked),
+            Some(Event::Ended(pair)) => Self::ended(seen, pair),
         };
-        let (line, sentence) = match event {
-            Event::Detected(pair) => (line::DETECT, self.detected(seen, pair)),
-            Event::Linked(pair, linked) => Self::linked(seen, pair, linked),
-            Event::Ended(pair) => (line::END_PAIR, Self::ended(seen, pair)),
-        };
-        Step { line, sentence, readouts: Self::readouts(seen, event) }
+        let now = seen.after.unwrap_or(seen.before);
+        step.show_all(trails::turnover("Tracks", &now.counts, &now.tracks, &now.span))
     }
 
-    fn detected(&self, seen: &Seen<Self>, pair: &Pair) -> Sentence {
-        let t = seen.before.frame;
-        let counts = pair.sides.each_ref().map(|side| grouped(side.points.len()));
-        let within = match self.matching.radius {
-            0 => "in the whole frame".to_owned(),
-            radius => format!("within {radius} px of its position"),
-        };
-        Sentence::default()
-            .text(format!("{}: ", self.matching.detector.estimator().info().name))
-            .ink(Role::Reference, format!("{} keypoints", counts[0]))
-            .text(format!(" in frame {t} and "))
-            .ink(Role::Candidate, counts[1].clone())
-            .text(format!(" in frame {}. The candidates of a keypoint are those {within}.", t + 1))
-    }
-
-    /// The line and the sentence of a keypoint.
-    fn linked(seen: &Seen<Self>, pair: &Pair, linked: &Linked) -> (Name, Sentence) {
-        let at = words::place(pair.sides[0].points[linked.index].at);
-        let said = Sentence::default().ink(Role::Reference, format!("Keypoint {at}"));
-        let length = |number: u32| seen.before.tracks.get(number as usize).map_or(0, |track| track.points.len());
-        match (linked.track, linked.to, linked.outcome) {
-            (Some(number), Some(to), outcome) => {
-                let place = words::place(pair.sides[1].points[to].at);
-                let told = format!(
-                    ", distance {}. Track {} continues: {} so far.",
-                    outcome.map_or_else(String::new, |found| apart(found.distance)),
-                    number + 1,
-                    words::counted(length(number) + 1, "frame")
-                );
-                (line::CONTINUE, said.text(" matches ").ink(Role::Result, place).text(told))
-            }
-            (None, Some(to), outcome) => {
-                let place = words::place(pair.sides[1].points[to].at);
-                let told = format!(
-                    ", distance {}. It is in no track, so a new one begins.",
-                    outcome.map_or_else(String::new, |found| apart(found.distance))
-                );
-                (line::BEGIN, said.text(" matches ").ink(Role::Result, place).text(told))
-            }
-            (Some(number), None, outcome) => {
-                let told = format!(
-                    " {}. Track {} is lost after {}.",
-                    reason(outcome.map(|found| found.status)),
-                    number + 1,
-                    words::counted(length(number), "frame")
-                );
-                (line::LOSE, said.ink(Role::Rejected, " has no match").text(told))
-            }
-            (None, None, outcome) => {
-                let told =
-                    format!(" {}. It is in no track and begins none.", reason(outcome.map(|found| found.status)));
-                (line::REMAIN, said.ink(Role::Rejected, " has no match").text(told))
-            }
-        }
-    }
-
-    /// The conclusion of the pair, and of the run at its end.
-    fn ended(seen: &Seen<Self>, pair: &Pair) -> Sentence {
-        let state = seen.after.unwrap_or(seen.before);
-        let t = seen.before.frame;
+    /// Puts the tracks that a pair continues, begins and loses.
+    fn counted(seen: &Seen<Self>, step: Step) -> Step {
         let [continued, lost, begun] = turnover(seen.events);
-        let said = Sentence::default().text(format!(
-            "End of the pair of frames {t} and {}: {} of {} continued, {} lost without an accepted match, {} begun.{}",
-            t + 1,
-            grouped(continued),
-            words::counted(continued + lost, "track"),
-            grouped(lost),
-            grouped(begun),
-            mean_error(seen.events, pair).map_or_else(String::new, |error| format!(
-                " Mean endpoint error of this pair: {} px.",
-                numbers::px(error)
-            ))
-        ));
-        let is_over = state.span.is_over(seen.clip, state.frame + 1);
-        if !is_over || state.tracks.is_empty() {
-            return said;
+        step.fact(value::CONTINUED, continued).fact(value::BEGUN, begun).fact(value::LOST, lost)
+    }
+
+    /// Puts the frames of a pair.
+    fn at(seen: &Seen<Self>, line: Name) -> Step {
+        let t = seen.before.frame;
+        Step::at(line).fact(value::FRAME, t).fact(value::NEXT_FRAME, t + 1)
+    }
+
+    fn detected(&self, seen: &Seen<Self>, pair: &Pair) -> Step {
+        let [here, there] = pair.sides.each_ref().map(|side| side.points.len());
+        let step = Self::counted(seen, Self::at(seen, line::DETECT));
+        let step = step.put(value::DETECTOR, self.matching.detector.estimator().info().name);
+        let step = step.put(value::KEYPOINTS, here).put(value::KEYPOINTS_THERE, there);
+        let step = step.put(value::RADIUS, self.matching.radius);
+        step.say(if self.matching.radius == 0 { case::DETECTED } else { case::DETECTED_NEAR })
+    }
+
+    /// Explains what becomes of a keypoint.
+    fn linked(seen: &Seen<Self>, pair: &Pair, linked: &Linked) -> Step {
+        let (line, case) = match (linked.track, linked.to) {
+            (Some(_), Some(_)) => (line::CONTINUE, case::CONTINUES),
+            (None, Some(_)) => (line::BEGIN, case::BEGINS),
+            (Some(_), None) => (line::LOSE, case::IS_LOST),
+            (None, None) => (line::REMAIN, case::REMAINS),
+        };
+        let (outcome, from) = (linked.outcome, pair.sides[0].points[linked.index].at);
+        let to = linked.to.map(|to| pair.sides[1].points[to].at);
+        let keypoint = features::KEYPOINT.is(linked.index + 1).inked(Role::Reference);
+        let step = Self::at(seen, line).fact_of(keypoint).fact(value::KEYPOINTS, pair.sides[0].points.len());
+        let step = step.fact_if(value::DISTANCE, outcome.map(|found| found.distance));
+        let neighbors = outcome.map(|found| found.neighbors).filter(|found| found.second.is_some());
+        let ratio = |ratio: Option<f32>| ratio.map_or(Number::from("undefined: 0 / 0"), Number::from);
+        let step = step.fact_if(value::RATIO, neighbors.map(|found| ratio(found.ratio())));
+        let step = step.fact_if(value::DISPLACEMENT, to.map(|to| [to[0] - from[0], to[1] - from[1]]));
+        let truth = pair.truth.as_ref().and_then(|truth| truth.sample(from));
+        let step = Self::counted(seen, step.fact_if(value::TRUE_DISPLACEMENT, truth));
+        let step = step.put(features::POSITION, from);
+        let step = match to {
+            Some(to) => step.put(value::MATCH, to).say(case::MATCHED),
+            None => step.say(case::UNMATCHED).say(match outcome.map(|found| found.status) {
+                None => case::NO_CANDIDATE,
+                Some(MatchStatus::RejectedRatio) => case::FAILS_RATIO,
+                Some(MatchStatus::RejectedCrossCheck) => case::FAILS_CROSS_CHECK,
+                Some(MatchStatus::Match | MatchStatus::Outlier) => case::IS_FARTHER,
+            }),
+        };
+        let step = linked.track.into_iter().fold(step, |step, number| {
+            let length = seen.before.tracks.get(number as usize).map_or(0, |track| track.points.len());
+            step.put(value::TRACK, number + 1).put(value::LENGTH, length + usize::from(to.is_some()))
+        });
+        step.say(case)
+    }
+
+    /// Explains the end of a pair, and of the run at its end.
+    fn ended(seen: &Seen<Self>, pair: &Pair) -> Step {
+        let state = seen.after.unwrap_or(seen.before);
+        let step = Self::counted(seen, Self::at(seen, line::END_PAIR));
+        let [continued, lost, _] = turnover(seen.events);
+        let step = step.put(value::TRACKS, continued + lost).say(case::PAIR_ENDED);
+        let step = match mean_error(seen.events, pair) {
+            Some(error) => step.put(value::MEAN_ERROR, error).say(case::ERROR),
+            None => step,
+        };
+        let count = state.tracks.len();
+        if !state.span.is_over(seen.clip, state.frame + 1) || count == 0 {
+            return step;
         }
         let lengths: usize = state.tracks.iter().map(|track| track.points.len()).sum();
-        let mean = lengths as f64 / state.tracks.len() as f64;
-        said.text(format!(
-            " End of the run: {} of {} frames on average. A track ends where its keypoint is not detected again or its match is rejected: a \
-             lower threshold of the detector or a higher ratio limit makes tracks longer.",
-            words::counted(state.tracks.len(), "track"),
-            words::fixed(mean, 1)
-        ))
-    }
-
-    fn readouts(seen: &Seen<Self>, event: &Event) -> Vec<Readout> {
-        let state = seen.before;
-        let mut facts = vec![Fact::new("Pair", format!("frames {} and {}", state.frame, state.frame + 1), None)];
-        let [continued, lost, begun] = turnover(seen.events).map(grouped);
-        if let Event::Linked(pair, linked) = event {
-            let of = pair.sides[0].points.len();
-            facts.push(Fact::new(
-                "Keypoint",
-                format!("{} of {}", linked.index + 1, grouped(of)),
-                Some(Role::Reference),
-            ));
-            facts.extend(linked.outcome.map(|found| Fact::new("Distance", apart(found.distance), None)));
-            let neighbors = linked.outcome.map(|found| found.neighbors).filter(|found| found.second.is_some());
-            let ratio = |ratio: Option<f32>| ratio.map_or_else(|| "undefined: 0 / 0".into(), words::fine);
-            facts.extend(neighbors.map(|found| Fact::new("Ratio", ratio(found.ratio()), None)));
-            let to = linked.to.map(|to| pair.sides[1].points[to].at);
-            let from = pair.sides[0].points[linked.index].at;
-            let moved = to.map(|to| [to[0] - from[0], to[1] - from[1]]);
-            let px = |uv| format!("{} px", numbers::vector(uv));
-            facts.extend(moved.map(|moved| Fact::new("Displacement", px(moved), Some(Role::Result))));
-            let truth = pair.truth.as_ref().and_then(|truth| truth.sample(from));
-            facts.extend(truth.map(|truth| Fact::new("True displacement", px(truth), Some(Role::Truth))));
-        }
-        facts.extend([
-            Fact::new("Tracks continued", continued, Some(Role::Result)),
-            Fact::new("Tracks begun", begun, Some(Role::Best)),
-            Fact::new("Tracks lost", lost, Some(Role::Rejected)),
-        ]);
-        let now = seen.after.unwrap_or(state);
-        let plot = trails::turnover("Tracks", &now.counts, &now.tracks, &now.span);
-        [Readout::Facts(facts)].into_iter().chain(plot).collect()
+        step.put(value::TRACKS, count).put(value::MEAN_LENGTH, lengths as f64 / count as f64).say(case::END)
     }
 
     pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
@@ -213,14 +155,4 @@ fn mean_error(events: &[Event], pair: &Pair) -> Option<f32> {
     };
     let errors: Vec<f32> = all_linked(events).filter_map(error).collect();
     (!errors.is_empty()).then(|| errors.iter().sum::<f32>() / errors.len() as f32)
-}
-
-/// Why a keypoint has no match.
-fn reason(status: Option<MatchStatus>) -> &'static str {
-    match status {
-        None => "(no candidate)",
-        Some(MatchStatus::RejectedRatio) => "(ratio test)",
-        Some(MatchStatus::RejectedCrossCheck) => "(cross-check)",
-        Some(MatchStatus::Match | MatchStatus::Outlier) => "(another keypoint is nearer to its neighbour)",
-    }
 }

@@ -31,7 +31,12 @@ impl ImageAlignment {
                 "Image alignment fits one warp ({}) to all gray levels, from the coarsest of {levels} levels to full resolution.",
                 self.model.label().to_lowercase()
             );
-            return Step { line: line::START, sentence: Sentence::default().text(said), readouts: Vec::new() };
+            return Step {
+                values: Vec::new(),
+                line: line::START,
+                sentence: Sentence::default().text(said),
+                readouts: Vec::new(),
+            };
         };
         let line = match stage {
             Stage::SteepestDescent => line::STEEPEST_DESCENT,
@@ -49,7 +54,7 @@ impl ImageAlignment {
             }
             _ => sentence,
         };
-        Step { line, sentence, readouts: self.readouts(*stage, state) }
+        Step { values: Vec::new(), line, sentence, readouts: self.readouts(*stage, state) }
     }
 
     fn sentence(&self, stage: Stage, state: &State, said: Sentence) -> Sentence {

@@ -41,7 +41,12 @@ impl Mosaic {
         let Some(event) = seen.events.last() else {
             let said = "A mosaic registers all frames of a shot in one coordinate system. The motions of consecutive frames are chained \
                         first; this is exact for a rotating camera or a planar scene.";
-            return Step { line: line::EACH_PAIR, sentence: Sentence::default().text(said), readouts: Vec::new() };
+            return Step {
+                values: Vec::new(),
+                line: line::EACH_PAIR,
+                sentence: Sentence::default().text(said),
+                readouts: Vec::new(),
+            };
         };
         let name = self.motion.estimator().info().name;
         let (line, sentence) = match event {
@@ -51,7 +56,7 @@ impl Mosaic {
             Event::Found(placed) => (line::PLACE, Self::found(seen.before, placed)),
             Event::Blended(placed) => (line::BLEND, self.blended(seen, placed)),
         };
-        Step { line, sentence, readouts: self.readouts(seen, event) }
+        Step { values: Vec::new(), line, sentence, readouts: self.readouts(seen, event) }
     }
 
     fn bounded(state: &State, canvas: &Sheet) -> Sentence {

@@ -110,7 +110,12 @@ impl PhaseCorrelation {
         let Some(Event { stage, state }) = seen.events.last() else {
             let said = "Phase correlation finds one translation for the whole picture: a displacement only turns the phases of \
                         the frequencies, and the inverse transform of the phase difference has its peak at the displacement.";
-            return Step { line: line::WINDOW, sentence: Sentence::default().text(said), readouts: Vec::new() };
+            return Step {
+                values: Vec::new(),
+                line: line::WINDOW,
+                sentence: Sentence::default().text(said),
+                readouts: Vec::new(),
+            };
         };
         let line = match stage {
             Stage::Window(_) => line::WINDOW,
@@ -126,7 +131,12 @@ impl PhaseCorrelation {
             Stage::Subpixel(_) => line::REFINE_Y,
             Stage::Result => line::TAKE_RESULT,
         };
-        Step { line, sentence: self.sentence(*stage, state), readouts: self.readouts(*stage, state) }
+        Step {
+            values: Vec::new(),
+            line,
+            sentence: self.sentence(*stage, state),
+            readouts: self.readouts(*stage, state),
+        }
     }
 
     fn sentence(&self, stage: Stage, state: &State) -> Sentence {

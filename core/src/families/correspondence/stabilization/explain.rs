@@ -48,7 +48,12 @@ impl Stabilization {
         let Some(event) = seen.events.last() else {
             let said = "Stabilisation first estimates the motion of the background between all consecutive frames and chains it to the path \
                         of the camera. Then it smooths the path and warps each frame to its smoothed place.";
-            return Step { line: line::EACH_PAIR, sentence: Sentence::default().text(said), readouts: Vec::new() };
+            return Step {
+                values: Vec::new(),
+                line: line::EACH_PAIR,
+                sentence: Sentence::default().text(said),
+                readouts: Vec::new(),
+            };
         };
         let name = self.motion.estimator().info().name;
         let (line, sentence) = match event {
@@ -57,7 +62,7 @@ impl Stabilization {
             Event::Smoothed(stable) => (line::SMOOTH, self.smoothed(seen, stable)),
             Event::Warped(stable) => (line::WARP, self.warped(seen, stable)),
         };
-        Step { line, sentence, readouts: self.readouts(seen, event) }
+        Step { values: Vec::new(), line, sentence, readouts: self.readouts(seen, event) }
     }
 
     fn smoothed(&self, seen: &Seen<Self>, stable: &Stable) -> Sentence {

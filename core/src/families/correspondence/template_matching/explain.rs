@@ -103,7 +103,7 @@ impl TemplateMatching {
                 Stage::Update => line::UPDATE,
             },
         };
-        Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
+        Step { values: Vec::new(), line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }
 
     fn sentence(&self, seen: &Seen<Self>) -> Sentence {

@@ -1,15 +1,14 @@
 //! The explanation and the drawing of FAST.
 
-use super::{Event, Fast, Stage, State, corners, line};
-use crate::base::words::{counted, grouped, pixel};
+use super::{Event, Fast, Stage, State, case, corners, features, line, value};
 use crate::geometry::Grid;
 use crate::methods::differential::explain;
 use crate::methods::features::{
-    Selection,
+    Selection, Status, be, case as selection,
     segment::{CIRCLE, COMPASS, Candidate, Circle, RADIUS, Shade, suppressed_by},
 };
 use crate::run::Seen;
-use crate::scene::{Fact, Framed, Math, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step, Tile};
+use crate::scene::{Framed, Name, Picture, Readout, Role, Scene, Series, Shape, Step, Tile};
 
 fn point((x, y): (usize, usize)) -> [f32; 2] {
     [x as f32, y as f32]
@@ -47,47 +46,70 @@ impl Fast {
     }
 
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
-        let probe = self.probe(seen);
-        let Some(last) = seen.events.last() else {
-            return Step { line: line::EACH_PIXEL, sentence: self.introduction(), readouts: Vec::new() };
+        let Some(last) = seen.events.last() else { return self.limits(Step::at(line::EACH_PIXEL)).say(case::OPENING) };
+        let Some(probe) = self.probe(seen) else { return self.of_row(seen.before, *last) };
+        if probe.is_pointed_at {
+            return self.verdict(seen, &probe);
+        }
+        let at = |line, role| {
+            let step = self.measured(seen, line, &probe);
+            if let Some(role) = role { step.put_value(features::PIXEL.is(probe.place).inked(role)) } else { step }
         };
-        let (line, sentence) = match &probe {
-            Some(probe) if probe.is_pointed_at => self.verdict(seen, probe),
-            probe => {
-                let (line, sentence) = self.at_work(seen, *last, probe.as_ref());
-                (line, self.concluded(seen, sentence))
+        let step = match (last, &probe.circle) {
+            (Event::Tested(_), Some(circle)) => self.tested(self.measured(seen, self.line_of(circle), &probe), circle),
+            (Event::Compared(_, None), _) => at(line::SUPPRESS, Some(Role::Best)).say(case::MAXIMUM),
+            (Event::Compared(_, Some(by)), _) => {
+                let step = at(line::SUPPRESS, Some(Role::Rejected)).put(features::NEIGHBOUR, *by);
+                let is_higher = seen.before.scores[*by] > seen.before.scores[probe.place];
+                let step = step.put(value::OTHER_SCORE, seen.before.scores[*by]).say(case::SUPPRESSED);
+                step.say(if is_higher { case::BY_HIGHER } else { case::BY_EQUAL })
+            }
+            (Event::Peak(_, None), _) => {
+                let count = seen.events.iter().filter(|event| matches!(event, Event::Peak(_, None))).count();
+                at(line::KEEP, Some(Role::Result)).put(features::KEPT, count).say(case::KEPT)
+            }
+            (Event::Peak(peak, Some(near)), _) => {
+                let [score, other] = [peak, near].map(|index| seen.before.score(*index));
+                let step =
+                    at(line::DROP_NEAR, Some(Role::Rejected)).put(features::NEAR_CORNER, seen.before.place(*near));
+                let step = step.put(value::OTHER_SCORE, other).say(case::NEAR);
+                step.say(if other > score { case::TO_HIGHER } else { case::TO_EQUAL })
+            }
+            _ => {
+                let count = seen.before.peaks.len();
+                at(line::EACH_PEAK, None).put(value::CORNERS, count).put(features::BE, be(count)).say(case::RANKED)
             }
         };
-        let readouts = match &probe {
-            Some(probe) => self.readouts(seen, probe),
-            None => vec![Readout::Facts(self.facts_of_row(seen.before))],
-        };
-        Step { line, sentence, readouts }
+        self.charted(seen, self.concluded(seen, step), &probe)
     }
 
-    fn introduction(&self) -> Sentence {
-        let Self { threshold, arc, .. } = self;
-        Sentence::default().text(format!(
-            "At a corner most of a small circle differs from its centre p. FAST compares 16 pixels with I_p and looks for an arc \
-             of {arc} contiguous ones, all brighter than I_p + {threshold} or all darker than I_p − {threshold}. It needs only \
-             comparisons of gray levels."
-        ))
+    /// Puts the parameters.
+    fn limits(&self, step: Step) -> Step {
+        let Selection { min_distance, max_points } = self.selection;
+        let step = step.put(value::THRESHOLD, self.threshold).put(value::ARC, self.arc);
+        let step = step.put(value::COMPASS, self.test().compass_points());
+        step.put(features::MAX_POINTS, max_points).put(features::MIN_DISTANCE, min_distance)
     }
 
-    /// Explains the last event.
-    fn at_work(&self, seen: &Seen<Self>, event: Event, probe: Option<&Probe>) -> (Name, Sentence) {
-        let state = seen.before;
-        match (event, probe.and_then(|probe| probe.circle.as_ref())) {
-            (Event::Row, _) => (line::HIGH_SPEED, self.row(state)),
-            (Event::Tested(_), Some(circle)) => self.tested(circle),
-            (Event::Tested(_), None) => (line::EACH_PIXEL, self.introduction()),
-            (Event::Corners, _) => (line::EACH_CORNER, corners_of_row(state)),
-            (Event::Compared(place, by), _) => (line::SUPPRESS, compared(state, place, by)),
-            (Event::Ranked, _) => (line::EACH_PEAK, self.ranked(state)),
-            (Event::Peak(peak, Some(near)), _) => (line::DROP_NEAR, self.rejected(state, peak, near)),
-            (Event::Peak(peak, None), _) => {
-                let count = seen.events.iter().filter(|event| matches!(event, Event::Peak(_, None))).count();
-                (line::KEEP, kept(state, peak, count))
+    /// Explains an event of a row, or that there is nothing to select from.
+    fn of_row(&self, state: &State, event: Event) -> Step {
+        let row = |line| self.limits(Step::at(line)).fact_of(features::ROW.is(state.row).inked(Role::Window));
+        match event {
+            Event::Row => {
+                let (all, passing) = self.passing(state, state.row);
+                let step = row(line::HIGH_SPEED).fact(value::WITH_CIRCLE, all).fact(value::PASSING, passing);
+                step.say(if all == 0 { case::NO_CIRCLE } else { case::HIGH_SPEED })
+            }
+            Event::Corners => {
+                let count = corners(&state.scores, state.row).count();
+                let said = if count == 0 { case::NO_CORNERS_IN_ROW } else { case::CORNERS_IN_ROW };
+                row(line::EACH_CORNER).fact(value::CORNERS, count).say(said)
+            }
+            _ => {
+                let has_corners = state.scores.cells().iter().any(|score| *score > 0);
+                let step = self.limits(Step::at(line::EACH_PEAK)).fact(features::LOCAL_MAXIMA, state.peaks.len());
+                let step = step.put(value::HIGHEST_SCORE, self.test().highest_score(state.picture.luma()));
+                step.say(if has_corners { case::NO_MAXIMA } else { case::NO_CORNERS })
             }
         }
     }
@@ -102,161 +124,91 @@ impl Fast {
         (if has_circles { width.saturating_sub(2 * RADIUS) } else { 0 }, passing.len())
     }
 
-    /// Explains the high-speed test of a row.
-    fn row(&self, state: &State) -> Sentence {
-        let (all, passing) = self.passing(state, state.row);
-        let (y, compass) = (state.row, self.test().compass_points());
-        let said = Sentence::default();
-        if all == 0 {
-            return said.text(format!(
-                "Row {y}: no pixel is {RADIUS} px away from the border, so no circle fits and there are no corners."
-            ));
-        }
-        said.text(format!(
-            "Row {y}: {passing} of {all} pixels pass the high-speed test, with {compass} adjacent compass pixels of the circle (1, \
-             5, 9, 13) all brighter than I_p + {t} or all darker than I_p − {t}. Any arc of {} contains {compass} of them, so no \
-             other pixel can be a corner.",
-            self.arc,
-            t = self.threshold
-        ))
-    }
-
-    /// Explains the tests of a pixel, with the line that decides.
-    fn tested(&self, circle: &Circle) -> (Name, Sentence) {
-        let Self { threshold, arc, .. } = self;
-        let compass = self.test().compass_points();
-        let said = |role| {
-            let name = format!("Pixel {}", pixel(circle.center));
-            Sentence::default().ink(role, name).text(format!(", I_p = {}: ", circle.level))
-        };
+    /// Puts what is known of a pixel, and its score where it is a corner.
+    fn measured(&self, seen: &Seen<Self>, line: Name, Probe { place, circle, .. }: &Probe) -> Step {
+        let step = self.limits(Step::at(line)).fact(features::PIXEL, *place);
+        let Some(circle) = circle else { return step };
         let (start, length) = circle.run.unwrap_or_default();
-        let limit = |shade| match shade {
-            Shade::Darker => format!("darker than I_p − {threshold} = {}", i32::from(circle.level) - *threshold as i32),
-            _ => format!("brighter than I_p + {threshold} = {}", usize::from(circle.level) + threshold),
-        };
-        let ends = match length {
-            0 | 16 => String::new(),
-            1 => format!(" (pixel {})", number(start)),
-            _ => format!(" ({} to {})", number(start), number(start + length - 1)),
-        };
-        let limit = limit(circle.shades[start]).replace("than I_p − ", "than I_p\u{a0}−\u{a0}");
-        if circle.compass < compass {
-            return (
-                line::HIGH_SPEED,
-                said(Role::Rejected).text(format!(
-                    "the longest run of brighter or darker compass pixels is {}, and an arc of {arc} needs {compass}: \
-                     rejected by the high-speed test.",
-                    circle.compass
-                )),
-            );
-        }
+        let step = step.fact(value::LEVEL, circle.level).fact(value::BRIGHTER, circle.count(Shade::Brighter));
+        let step = step.fact(value::DARKER, circle.count(Shade::Darker)).fact(value::RUN, length);
+        let step = step.fact(value::ARC, self.arc).fact(value::SCORE, circle.score);
+        let step = step.put(value::COMPASS_RUN, circle.compass).put(value::RUN_START, number(start));
+        let step = step.put(value::RUN_END, number(start + length.max(1) - 1));
+        let (level, threshold) = (i32::from(circle.level), self.threshold as i32);
+        let is_darker = circle.shades[start] == Shade::Darker;
+        let step = step.put(value::RUN_LIMIT, if is_darker { level - threshold } else { level + threshold });
         if circle.arc.is_none() {
-            return (
-                line::SEGMENT_TEST,
-                said(Role::Rejected).text(format!(
-                    "the longest run has {length} contiguous pixels{ends} {limit}. The arc needs {arc}: no corner."
-                )),
-            );
+            return step;
         }
-        let (weakest, difference) = weakest(circle, *arc);
-        let said = said(Role::Best).text(format!(
-            "{length} contiguous pixels{ends} are {limit}, at least {arc}: a corner. Its score is V = {}, since with t = {difference} \
-             its best arc loses pixel {}, which differs by {difference}.",
-            circle.score,
-            number(weakest)
-        ));
-        (line::SCORE, said)
+        let (weakest, difference) = weakest(circle, self.arc);
+        let step = step.put(value::WEAKEST, number(weakest)).put(value::DIFFERENCE, u32::from(difference));
+        let step = step.put(value::WEAKEST_LEVEL, level + i32::from(circle.differences[weakest]));
+        let step = self.status(seen, *place).into_iter().fold(step, |step, of| step.fact(features::STATUS, of.words));
+        let step = step.formula(r"V = \text{max over arcs of }{arc}\text{ pixels of (min }|I_k - I_p|\text{)} - 1");
+        step.formula("V = |{weakest_level} - {level}| - 1 = {score}")
     }
 
-    fn ranked(&self, state: &State) -> Sentence {
-        let said = Sentence::default();
-        let Selection { min_distance, max_points } = self.selection;
-        if state.peaks.is_empty() && state.scores.cells().iter().all(|score| *score == 0) {
-            return said.text(format!(
-                "No pixel has {} contiguous circle pixels that differ by more than {} gray levels: there are no corners. The highest \
-                 score is V = {}, and a corner has at least V = t = {}. A lower threshold finds corners of less contrast.",
-                self.arc,
-                self.threshold,
-                self.test().highest_score(state.picture.luma()),
-                self.threshold
-            ));
+    /// The line that decides about a pixel by its circle.
+    fn line_of(&self, circle: &Circle) -> Name {
+        match circle.compass < self.test().compass_points() {
+            true => line::HIGH_SPEED,
+            false if circle.arc.is_none() => line::SEGMENT_TEST,
+            false => line::SCORE,
         }
-        if state.peaks.is_empty() {
-            return said.text(
-                "No score exceeds those of all 8 neighbours: neighbours with equal scores suppress each other, which happens in \
-                 pictures without noise. So no corner is left.",
-            );
-        }
-        said.text(format!(
-            "{} ranked by score. In this order at most {} are kept (the maximum number of points), each at least {min_distance} px \
-             (the minimum distance) from those kept before.",
-            match state.peaks.len() {
-                1 => "1 corner is".to_owned(),
-                count => format!("{} corners are", grouped(count)),
-            },
-            grouped(max_points),
-        ))
     }
 
-    fn rejected(&self, state: &State, peak: u32, near: u32) -> Sentence {
-        let [score, stronger] = [peak, near].map(|index| state.score(index));
-        let why = match stronger > score {
-            true => format!("has the higher score {stronger}"),
-            false => "has an equal score and comes first".to_owned(),
-        };
-        Sentence::default()
-            .text("Corner ")
-            .ink(Role::Rejected, pixel(state.place(peak)))
-            .text(format!(
-                ", V = {score}, is closer than the minimum distance ({} px) to corner ",
-                self.selection.min_distance
-            ))
-            .ink(Role::Result, pixel(state.place(near)))
-            .text(format!(", which {why}: rejected."))
+    /// Explains the tests of a pixel.
+    fn tested(&self, step: Step, circle: &Circle) -> Step {
+        let role = if circle.arc.is_some() { Role::Best } else { Role::Rejected };
+        let step = step.put_value(features::PIXEL.is(circle.center).inked(role));
+        if self.line_of(circle) == line::HIGH_SPEED {
+            return step.say(case::FAILS_COMPASS);
+        }
+        let (start, length) = circle.run.unwrap_or_default();
+        let step = step.say(if circle.arc.is_some() { case::CONTIGUOUS } else { case::LONGEST });
+        let step = step.say_if(length == 1, case::AT).say_if((2..16).contains(&length), case::FROM_TO);
+        match (circle.arc.is_some(), circle.shades[start] == Shade::Darker) {
+            (false, false) => step.say(case::BRIGHTER).say(case::TOO_SHORT),
+            (false, true) => step.say(case::DARKER).say(case::TOO_SHORT),
+            (true, false) => step.say(case::ARE_BRIGHTER).say(case::CORNER),
+            (true, true) => step.say(case::ARE_DARKER).say(case::CORNER),
+        }
     }
 
     /// Adds the conclusion at the end of a run.
-    fn concluded(&self, seen: &Seen<Self>, sentence: Sentence) -> Sentence {
-        let Some(after) = seen.after.filter(|_| seen.before.stage == Stage::Choice) else { return sentence };
-        let (Some(first), Some(last)) = (after.kept.first(), after.kept.last()) else { return sentence };
+    fn concluded(&self, seen: &Seen<Self>, step: Step) -> Step {
+        let Some(after) = seen.after.filter(|_| seen.before.stage == Stage::Choice) else { return step };
+        let (Some(first), Some(last)) = (after.kept.first(), after.kept.last()) else { return step };
         let found = after.scores.cells().iter().filter(|score| **score > 0).count();
-        let scores = match after.kept.len() {
-            1 => format!("score {}", after.score(*first)),
-            _ => format!("scores {} to {}", after.score(*first), after.score(*last)),
-        };
-        let help = self.selection.advice(after.kept.len(), after.peaks.len());
-        sentence.text(format!(
-            " End of the run: {} kept, {scores}; {} passed the segment test and {} non-maximum suppression. {help}",
-            counted(after.kept.len(), "corner"),
-            match found {
-                1 => "1 pixel".to_owned(),
-                found => format!("{} pixels", grouped(found)),
-            },
-            grouped(after.peaks.len()),
-        ))
+        let step = step.put(features::KEPT, after.kept.len()).put(features::LOCAL_MAXIMA, after.peaks.len());
+        let step = step.put(value::HIGHEST_SCORE, after.score(*first)).put(value::LOWEST_SCORE, after.score(*last));
+        let step = step.put(value::FOUND, found);
+        let step = step.say(if after.kept.len() == 1 { case::END_WITH_ONE } else { case::END });
+        step.say(self.selection.advice(after.kept.len(), after.peaks.len()))
     }
 
     /// Explains the pixel pointed at, as far as it is known what became of it.
-    fn verdict(&self, seen: &Seen<Self>, probe: &Probe) -> (Name, Sentence) {
-        let place = probe.place;
+    fn verdict(&self, seen: &Seen<Self>, probe: &Probe) -> Step {
         let Some(circle) = &probe.circle else {
-            let said = Sentence::default().ink(Role::Rejected, format!("Pixel {}", pixel(place)));
-            return (
-                line::EACH_PIXEL,
-                said.text(format!(
-                    " is less than {RADIUS} px from the border: its circle does not fit into the picture."
-                )),
-            );
+            let step = self.measured(seen, line::EACH_PIXEL, probe);
+            let step = step.put_value(features::PIXEL.is(probe.place).inked(Role::Rejected)).say(case::OUTSIDE);
+            return self.charted(seen, step, probe);
         };
-        let (line, said) = self.tested(circle);
-        match self.status(seen, place).filter(|_| circle.arc.is_some()) {
-            Some((line, status)) => (line, said.text(format!(" Status: {status}."))),
-            None => (line, said),
-        }
+        let status = self.status(seen, probe.place).filter(|_| circle.arc.is_some());
+        let line = status.as_ref().map_or(self.line_of(circle), |status| status.line);
+        let step = self.tested(self.measured(seen, line, probe), circle);
+        let step = match &status {
+            Some(status) => {
+                let score = status.by.map_or(0, |by| seen.before.scores[by]);
+                status.say(step.put(value::OTHER_SCORE, score))
+            }
+            None => step,
+        };
+        self.charted(seen, step, probe)
     }
 
-    /// Returns what became of a corner after the segment test, and the line that decided it.
-    fn status(&self, seen: &Seen<Self>, place: (usize, usize)) -> Option<(Name, String)> {
+    /// Returns what became of a corner after the segment test.
+    fn status(&self, seen: &Seen<Self>, place: (usize, usize)) -> Option<Status> {
         let state = seen.before;
         let is_compared = match state.stage {
             Stage::Test => false,
@@ -266,68 +218,28 @@ impl Fast {
         if !is_compared {
             return None;
         }
+        let status = |line, words, case, by| Some(Status { line, words, case, by });
         if let Some(by) = suppressed_by(&state.scores, place) {
-            return Some((line::SUPPRESS, format!("suppressed by {}, V = {}", pixel(by), state.scores[by])));
+            return status(line::SUPPRESS, "suppressed", case::HAS_NEIGHBOUR, Some(by));
         }
         let index = (place.1 * state.scores.width() + place.0) as u32;
         let choice = seen.events.iter().find_map(|event| match event {
             Event::Peak(peak, near) if *peak == index => Some(*near),
             _ => None,
         });
-        let Selection { min_distance, max_points } = self.selection;
-        Some(match choice {
-            Some(None) => (line::KEEP, "kept".into()),
-            Some(Some(near)) => {
-                (line::DROP_NEAR, format!("rejected within {min_distance} px of {}", pixel(state.place(near))))
-            }
+        match choice {
+            Some(None) => status(line::KEEP, "kept", selection::HAS_STATUS, None),
+            Some(Some(near)) => status(line::DROP_NEAR, "rejected", selection::HAS_NEAR, Some(state.place(near))),
             None if seen.after.is_some() && state.stage == Stage::Choice => {
-                (line::KEEP, format!("not among the {} of highest score", grouped(max_points)))
+                status(line::KEEP, "not kept", case::IS_BEYOND, None)
             }
-            None => (line::SUPPRESS, "local maximum of the score".into()),
-        })
-    }
-
-    fn facts_of_row(&self, state: &State) -> Vec<Fact> {
-        let count = corners(&state.scores, state.row).count();
-        match state.stage {
-            Stage::Test => {
-                let (all, passing) = self.passing(state, state.row);
-                vec![
-                    Fact::new("Row", state.row.to_string(), Some(Role::Window)),
-                    Fact::new("Pixels with a circle", all.to_string(), None),
-                    Fact::new("Pass the high-speed test", passing.to_string(), Some(Role::Candidate)),
-                ]
-            }
-            Stage::Suppression => vec![
-                Fact::new("Row", state.row.to_string(), Some(Role::Window)),
-                Fact::new("Corners", count.to_string(), None),
-            ],
-            Stage::Choice => vec![Fact::new("Local maxima of the score", grouped(state.peaks.len()), None)],
+            None => status(line::SUPPRESS, "local maximum of the score", selection::HAS_STATUS, None),
         }
     }
 
-    fn readouts(&self, seen: &Seen<Self>, Probe { place, circle, .. }: &Probe) -> Vec<Readout> {
+    /// Adds the charts of a pixel.
+    fn charted(&self, seen: &Seen<Self>, step: Step, Probe { place, circle, .. }: &Probe) -> Step {
         let state = seen.before;
-        let mut facts = vec![Fact::new("Pixel", pixel(*place), Some(Role::Reference))];
-        let mut readouts = Vec::new();
-        if let Some(circle) = circle {
-            let length = circle.run.map_or(0, |(_, length)| length);
-            facts.extend([
-                Fact::new("Gray level I_p", circle.level.to_string(), None),
-                Fact::new(
-                    "Brighter, darker",
-                    format!("{} and {}", circle.count(Shade::Brighter), circle.count(Shade::Darker)),
-                    None,
-                ),
-                Fact::new("Longest run", format!("{length} of the {} needed", self.arc), None),
-                Fact::new("Score V", circle.score.to_string(), Some(Role::Result)),
-            ]);
-            if circle.arc.is_some() {
-                facts.extend(self.status(seen, *place).map(|(_, status)| Fact::new("Status", status, None)));
-                readouts.push(Readout::Equation(self.equation(circle)));
-            }
-            readouts.push(Readout::Series(self.series(circle)));
-        }
         let tile = |label, values: Grid<f32>, range| Tile { label, role: None, values, range, framed: Vec::new() };
         let mut picture = tile("Frame t", explain::around(state.picture.luma(), *place, RADIUS), [0.0, 255.0]);
         if let Some(circle) = circle.as_ref().filter(|_| shows_circle(seen)) {
@@ -340,35 +252,7 @@ impl Fast {
                 scores.cells().iter().filter(|score| score.is_finite()).fold(1.0f32, |most, score| most.max(*score));
             tiles.push(tile("Score V", scores, [0.0, most]));
         }
-        readouts.push(Readout::Tiles(tiles));
-        readouts.insert(0, Readout::Facts(facts));
-        readouts
-    }
-
-    /// The score in symbols and in numbers.
-    fn equation(&self, circle: &Circle) -> Vec<Math> {
-        let index = |base, index| Math::indexed(Math::Var(base), Math::Var(index));
-        let (weakest, difference) = weakest(circle, self.arc);
-        let symbols = Math::Row(vec![
-            Math::Var("V"),
-            Math::text(format!(" = max over arcs of {} pixels of (min ", self.arc)),
-            Math::abs(Math::Row(vec![index("I", "k"), Math::text(" − "), index("I", "p")])),
-            Math::text(") − 1"),
-        ]);
-        let numbers = Math::Row(vec![
-            Math::text(" = "),
-            Math::abs(Math::Row(vec![
-                Math::ink(
-                    Role::Candidate,
-                    (i32::from(circle.level) + i32::from(circle.differences[weakest])).to_string(),
-                ),
-                Math::text(" − "),
-                Math::ink(Role::Reference, circle.level.to_string()),
-            ])),
-            Math::text(" − 1 = "),
-            Math::ink(Role::Result, (difference - 1).to_string()),
-        ]);
-        vec![symbols, numbers]
+        step.show_all(circle.as_ref().map(|circle| Readout::Series(self.series(circle)))).show(Readout::Tiles(tiles))
     }
 
     /// The differences on the circle against the threshold.
@@ -576,44 +460,4 @@ fn draw_scores(seen: &Seen<Fast>, scene: &mut Scene) {
         scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin: [0.0; 2], values });
         scene.heat = Some("V");
     }
-}
-
-/// Explains the row whose corners are compared next.
-fn corners_of_row(state: &State) -> Sentence {
-    let y = state.row;
-    Sentence::default().text(match corners(&state.scores, y).count() {
-        0 => format!("Row {y} has no corners, so there is nothing to suppress."),
-        count => format!(
-            "Row {y}: {}. Non-maximum suppression keeps those with a score V above that of all 8 neighbours; an arc slides over \
-             neighbouring pixels, so one corner of the scene passes the test several times.",
-            counted(count, "corner")
-        ),
-    })
-}
-
-/// Non-maximum suppression of a corner; `by` is the neighbour that suppresses it.
-fn compared(state: &State, place: (usize, usize), by: Option<(usize, usize)>) -> Sentence {
-    let (said, score) = (Sentence::default(), state.scores[place]);
-    let Some(by) = by else {
-        return said
-            .ink(Role::Best, format!("Corner {}", pixel(place)))
-            .text(format!(": the score {score} exceeds those of all 8 neighbours: a local maximum."));
-    };
-    let (than, why) = match state.scores[by] > score {
-        true => ("the higher score", "suppressed"),
-        false => ("the same score", "neither exceeds the other, so both are suppressed"),
-    };
-    said.ink(Role::Rejected, format!("Corner {}", pixel(place)))
-        .text(format!(" has the score {score}, and its neighbour "))
-        .ink(Role::Best, pixel(by))
-        .text(format!(" {than} {}: {why}.", state.scores[by]))
-}
-
-/// Explains that a corner is kept.
-fn kept(state: &State, peak: u32, count: usize) -> Sentence {
-    Sentence::default().text("Corner ").ink(Role::Result, pixel(state.place(peak))).text(format!(
-        ", V = {}, has no stronger corner within the minimum distance: kept as number {}.",
-        state.score(peak),
-        grouped(count)
-    ))
 }

@@ -2,16 +2,15 @@
 
 use std::sync::Arc;
 
-use super::{Event, Level, Orb, State, line};
-use crate::base::words::{counted, grouped, pixel};
+use super::{Event, Level, Orb, State, case, features, line, value};
+use crate::base::words::grouped;
 use crate::geometry::Grid;
-use crate::methods::differential::{explain, numbers};
+use crate::methods::differential::explain;
 use crate::methods::features::brief::{BITS, Moments, Pair, WINDOW_REACH, turned, window_sum};
 use crate::methods::features::draw_keypoints;
 use crate::methods::features::segment::SegmentTest;
-use crate::methods::numbers::percent;
 use crate::run::{Progress, Seen};
-use crate::scene::{Fact, Math, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step, Tile};
+use crate::scene::{Picture, Readout, Role, Scene, Series, Shape, Step, Tile};
 
 /// The number of responses that a plot shows.
 const PLOTTED: usize = 400;
@@ -76,263 +75,122 @@ impl Orb {
     }
 
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
-        let Some(last) = seen.events.last() else {
-            let sentence = "ORB detects FAST corners on the levels of a pyramid, so that it finds corners of several sizes. Each \
-                            gets the direction of its intensity centroid as orientation, and a descriptor of 256 bits: \
-                            comparisons of two small windows, turned by the orientation.";
-            let said = Sentence::default().text(sentence);
-            return Step { line: line::EACH_LEVEL, sentence: said, readouts: Vec::new() };
-        };
-        let (line, sentence) = match (self.level(seen), self.probe(seen)) {
+        let Some(last) = seen.events.last() else { return Step::at(line::EACH_LEVEL).say(case::OPENING) };
+        let step = match (self.level(seen), self.probe(seen)) {
             (Some(level), _) => self.of_level(seen, level, last),
-            (None, Some(probe)) => self.of_keypoint(seen, &probe),
-            (None, None) => (line::EACH_LEVEL, Sentence::default()),
+            (None, Some(probe)) => self.of_keypoint(seen.before, &probe),
+            (None, None) => Step::at(line::EACH_LEVEL),
         };
-        let readouts = match (self.level(seen), self.probe(seen)) {
-            (Some(level), _) => self.readouts_of_level(seen, level),
-            (None, Some(probe)) => self.readouts_of_keypoint(seen, &probe),
-            (None, None) => Vec::new(),
-        };
-        Step { line, sentence: self.concluded(seen, sentence), readouts }
+        self.concluded(seen, step)
     }
 
     /// Explains an event of a level.
-    fn of_level(&self, seen: &Seen<Self>, level: &Level, event: &Event) -> (Name, Sentence) {
-        let (index, said) = (seen.before.levels.len(), Sentence::default());
-        let (width, height) = level.of.picture.size();
+    fn of_level(&self, seen: &Seen<Self>, level: &Level, event: &Event) -> Step {
+        let line = match event {
+            Event::Detected => line::DETECT,
+            Event::Ranked => line::RANK,
+            Event::Peak(_, Some(_)) => line::DROP_NEAR,
+            Event::Peak(_, None) => line::KEEP,
+            _ => line::RESAMPLE,
+        };
+        let (index, (width, height)) = (seen.before.levels.len(), level.of.picture.size());
+        let step = Step::at(line).fact(value::LEVEL, index).fact(value::LEVELS, seen.before.level_count);
+        let step = step.fact(features::WIDTH, width).fact(features::HEIGHT, height).fact(value::SHARE, level.share);
+        let step = step.put(value::THRESHOLD, self.threshold).put(value::ARC, self.arc);
+        let step = step.put(value::PATCH, self.side()).put(features::MAX_POINTS, self.selection.max_points);
+        let step = step.put(value::SCALE_FACTOR, self.scale_factor).put(value::PIXEL_WIDTH, level.of.scale);
         let fits = level.ranked.len();
-        match event {
-            Event::Detected if level.found == 0 => (
-                line::DETECT,
-                said.text(format!(
-                    "FAST finds no corner on level {index}: no arc of {} pixels differs by more than {} gray levels. A lower \
-                     threshold finds corners of less contrast.",
-                    self.arc, self.threshold
-                )),
-            ),
-            Event::Detected => (
-                line::DETECT,
-                said.text(format!(
-                    "FAST with an arc of {} and a threshold of {} gray levels finds {} on level {index} after non-maximum \
-                     suppression. The {side}×{side} px patch fits into the picture around {} of them.",
-                    self.arc,
-                    self.threshold,
-                    match level.found {
-                        1 => "1 corner".to_owned(),
-                        found => format!("{} corners", grouped(found)),
-                    },
-                    grouped(fits),
-                    side = 2 * self.radius() + 1,
-                )),
-            ),
-            Event::Ranked => (line::RANK, ranked(level, index)),
-            Event::Peak(place, near) => self.chosen(seen, (index, level), (*place, *near)),
-            _ if index == 0 => (
-                line::RESAMPLE,
-                said.text(format!(
-                    "Level 0 is the frame itself with {width}×{height} px. Its share of the {} keypoints is {}: a level gets them in \
-                     proportion to its width.",
-                    grouped(self.selection.max_points),
-                    grouped(level.share)
-                )),
-            ),
-            _ => (
-                line::RESAMPLE,
-                said.text(format!(
-                    "Level {index} has {width}×{height} px, a factor {} smaller than the level before: a pixel is {} px of the \
-                     frame wide. Its share of the keypoints is {}.",
-                    self.scale_factor,
-                    numbers::px(level.of.scale),
-                    grouped(level.share)
-                )),
-            ),
+        let step = match event {
+            Event::Resampled(_) => return step.say(if index == 0 { case::FRAME } else { case::SMALLER }),
+            _ => step.fact(value::CORNERS, level.found).fact(value::WITH_ROOM, fits),
+        };
+        let place = match event {
+            Event::Peak(place, _) => Some(*place),
+            Event::Ranked => level.ranked.first().map(|(place, _)| *place),
+            _ => None,
+        };
+        let step = place.into_iter().fold(step, |step, place| measured(step, level, place));
+        match (event, level.ranked.first(), level.ranked.last()) {
+            (Event::Peak(_, near), ..) => self.chosen(seen, step, (level, *near)),
+            (Event::Ranked, Some((_, first)), Some((_, last))) => {
+                let step = step.put(features::FIRST_RESPONSE, *first).put(features::LAST_RESPONSE, *last);
+                step.put(value::STRONGEST, level.share.min(fits)).say(case::RANKED)
+            }
+            (Event::Ranked, ..) => step.say(case::NONE_RANKED),
+            _ => step.say(if level.found == 0 { case::NO_CORNERS } else { case::DETECTED }),
         }
     }
 
-    /// Explains the selection of a corner.
-    fn chosen(
-        &self,
-        seen: &Seen<Self>,
-        (index, level): (usize, &Level),
-        (place, near): (u32, Option<u32>),
-    ) -> (Name, Sentence) {
-        let name = pixel(level.place(place));
-        let response = |place: u32| numbers::gray(level.response(place));
-        let said = Sentence::default().text("Corner ");
+    /// Explains the selection of a corner; `near` is the one that rejects it.
+    fn chosen(&self, seen: &Seen<Self>, step: Step, (level, near): (&Level, Option<u32>)) -> Step {
+        let inked = |step: Step, role| {
+            let pixel = step.value(features::PIXEL).cloned();
+            pixel.into_iter().fold(step, |step, pixel| step.put_value(pixel.inked(role)))
+        };
         let Some(near) = near else {
             let count = seen.events.iter().filter(|event| matches!(event, Event::Peak(_, None))).count();
-            let said = said.ink(Role::Result, name).text(format!(
-                " of level {index}, R = {}: kept as keypoint {} of the {} that the level may have.",
-                response(place),
-                grouped(count),
-                grouped(level.share)
-            ));
-            return (line::KEEP, said);
+            return inked(step, Role::Result).put(features::KEPT, count).say(case::KEPT);
         };
-        let said = said
-            .ink(Role::Rejected, name)
-            .text(format!(
-                " of level {index}, R = {}, is closer than the minimum distance ({} px of the frame) to corner ",
-                response(place),
-                self.selection.min_distance
-            ))
-            .ink(Role::Result, pixel(level.place(near)))
-            .text(format!(" with R = {}, which is no smaller: rejected.", response(near)));
-        (line::DROP_NEAR, said)
+        let step = inked(step, Role::Rejected).put(features::NEAR_CORNER, level.place(near));
+        let step = step.put(features::OTHER_RESPONSE, level.response(near));
+        step.put(features::MIN_DISTANCE, self.selection.min_distance).say(case::NEAR)
     }
 
     /// Explains an event of a keypoint.
-    fn of_keypoint(&self, seen: &Seen<Self>, probe: &Probe<'_>) -> (Name, Sentence) {
-        let state = seen.before;
-        let Moments { m10, m01, .. } = probe.moments;
-        let Some(bit) = probe.bits.last() else {
-            let [x, y] = probe.moments.centroid().map(numbers::px);
-            let said = Sentence::default()
-                .text(format!("Keypoint {} of {} on level {} at ", probe.index + 1, state.corners.len(), state.corners[probe.index].level))
-                .ink(Role::Reference, pixel(probe.place))
-                .text(format!(
-                    ": the moments of its disc are m₁₀ = {} and m₀₁ = {}, so the intensity centroid lies at ({x},\u{a0}{y}) px from the \
-                     middle. ",
-                    numbers::fixed(m10 as f32, 0),
-                    numbers::fixed(m01 as f32, 0)
-                ))
-                .text("Orientation θ = atan2(m₀₁, m₁₀) = ")
-                .ink(Role::Result, degrees(&probe.moments))
-                .text(".");
-            return (line::ORIENT, said);
+    fn of_keypoint(&self, state: &State, probe: &Probe<'_>) -> Step {
+        let (corner, Moments { m00, m10, m01 }) = (state.corners[probe.index], probe.moments);
+        let line = if probe.bits.is_empty() { line::ORIENT } else { line::COMPARE };
+        let step = Step::at(line).fact(features::KEYPOINT, probe.index + 1);
+        let step = step.fact(features::KEYPOINTS, state.corners.len()).fact(value::LEVEL, corner.level);
+        let step = step.fact(features::PIXEL, probe.place).fact(features::RESPONSE, corner.response);
+        let step = step.fact(value::M_00, m00).fact(value::M_10, m10).fact(value::M_01, m01);
+        let step = step.fact(features::ORIENTATION, probe.moments.angle_rad().to_degrees());
+        let step = step.put(value::CENTROID, probe.moments.centroid());
+        let step = step
+            .formula(r"\theta = \text{atan2(}m_{01}, m_{10}\text{)} = \text{atan2(}\sum y\,I, \sum x\,I\text{)}")
+            .formula(r"\theta = \text{atan2(}{m_01}, {m_10}\text{)} = {orientation:unit}");
+        let tile = |label, values| Tile { label, role: None, values, range: [0.0, 255.0], framed: Vec::new() };
+        let step = step.show(Readout::Tiles(vec![
+            tile("Patch", self.patch_of(probe, [1.0, 0.0])),
+            tile("Patch, upright", self.patch_of(probe, probe.moments.direction())),
+        ]));
+        let Some((k, bit)) = probe.bits.len().checked_sub(1).map(|k| (k, probe.bits[k])) else {
+            return step.say(case::ORIENTED);
         };
-        let k = probe.bits.len() - 1;
-        let [a, b] = self.means(state, probe, k);
-        let turned = probe.turned(state.pattern[k]).map(|offset| pixel(probe.pixel(offset)));
-        let [first, second] = turned;
-        let comparison = if *bit { "less than" } else { "not less than" };
-        let said = Sentence::default()
-            .text(format!("Pair {} of {BITS}, turned by {}: the 5×5 window at ", k + 1, degrees(&probe.moments)))
-            .ink(Role::Candidate, first)
-            .text(format!(
-                " px of level {} has the mean {}, {comparison} {} of the window at ",
-                state.corners[probe.index].level,
-                numbers::gray(a),
-                numbers::gray(b)
-            ))
-            .ink(Role::Candidate, second)
-            .text(format!(" px, so the bit is {}.", u8::from(*bit)));
-        (line::COMPARE, said)
-    }
-
-    /// The means of the two windows of pair `k`.
-    fn means(&self, state: &State, probe: &Probe<'_>, k: usize) -> [f32; 2] {
-        let pair = probe.turned(state.pattern[k]);
-        pair.map(|offset| mean(window_sum(&probe.level.integral, probe.place, offset)))
+        let offsets = probe.turned(state.pattern[k]);
+        let [first, second] = offsets.map(|offset| probe.pixel(offset));
+        let means = offsets.map(|offset| mean(window_sum(&probe.level.integral, probe.place, offset)));
+        let step = step.put(value::PAIR, k + 1).put(value::FIRST_WINDOW, first).put(value::SECOND_WINDOW, second);
+        let step = step.fact(value::FIRST_MEAN, means[0]).fact(value::SECOND_MEAN, means[1]);
+        let ones = probe.bits.iter().filter(|bit| **bit).count();
+        let step = step.put(value::BIT, u8::from(bit)).fact(value::BITS, k + 1).fact(value::BITS_SET, ones);
+        let step = step.fact(value::LAST_BITS, last_bits(&probe.bits)).say(case::COMPARED);
+        match bit {
+            true => step.say(case::LESS).formula(r"{first_mean} < {second_mean}\text{: true, bit }{bit}"),
+            false => step.say(case::NOT_LESS).formula(r"{first_mean} < {second_mean}\text{: false, bit }{bit}"),
+        }
     }
 
     /// Adds the conclusion at the end of a run.
-    fn concluded(&self, seen: &Seen<Self>, sentence: Sentence) -> Sentence {
-        let Some(after) = seen.after.filter(|after| after.current() == Some(after.corners.len())) else {
-            return sentence;
-        };
-        let shares: usize = after.levels.iter().map(|level| level.share).sum();
+    fn concluded(&self, seen: &Seen<Self>, step: Step) -> Step {
+        let Some(after) = seen.after.filter(|after| after.current() == Some(after.corners.len())) else { return step };
         if after.corners.is_empty() {
             let test = SegmentTest { threshold: self.threshold as u8, arc: self.arc };
             let highest = after.levels.iter().map(|level| test.highest_score(&level.of.picture)).max().unwrap_or(0);
-            return sentence.text(match usize::from(highest) < self.threshold {
-                true => format!(
-                    " End of the run: no keypoints. The highest score of all levels is V = {highest}, and a corner has at least V = t = {}; a \
-                     lower threshold finds some.",
-                    self.threshold
-                ),
-                false => format!(
-                    " End of the run: no keypoints. No corner is at least {} px from the border and so has a patch of {side}×{side} px; a \
-                     smaller patch finds some.",
-                    self.margin(),
-                    side = self.side()
-                ),
-            });
+            let step = step.put(value::HIGHEST_SCORE, highest).put(value::MARGIN, self.margin());
+            let step = step.put(value::PATCH, self.side()).put(value::THRESHOLD, self.threshold);
+            let has_corners = usize::from(highest) >= self.threshold;
+            return step.say(if has_corners { case::NO_ROOM } else { case::NO_CONTRAST });
         }
         let by_level =
             (0..after.levels.len()).map(|level| after.corners.iter().filter(|corner| corner.level == level).count());
         let by_level: Vec<String> = by_level.map(grouped).collect();
         let ones: u32 = after.described.iter().flat_map(|described| described.bits).map(u64::count_ones).sum();
         let share = f64::from(ones) / (BITS * after.described.len()) as f64;
-        let help = match after.corners.len() < shares {
-            true => "Some levels have fewer corners than their share; a lower threshold also finds weaker ones.",
-            false => {
-                "Every level has more corners than its share; a larger maximum number of points keeps weaker ones."
-            }
-        };
-        sentence.text(format!(
-            " End of the run: {} on {} ({}, from level 0 on). {} of all bits are 1; near one half, descriptors of different points \
-             differ most. {help}",
-            counted(after.corners.len(), "keypoint"),
-            counted(after.levels.len(), "level"),
-            by_level.join(", "),
-            percent(share),
-        ))
-    }
-
-    fn readouts_of_level(&self, seen: &Seen<Self>, level: &Level) -> Vec<Readout> {
-        let (index, (width, height)) = (seen.before.levels.len(), level.of.picture.size());
-        let mut facts = vec![
-            Fact::new("Level", format!("{index} of 0 to {}", seen.before.level_count - 1), None),
-            Fact::new("Size", format!("{width}×{height} px"), None),
-            Fact::new("Share of the keypoints", grouped(level.share), None),
-        ];
-        let is_ranked = seen.events.iter().any(|event| matches!(event, Event::Ranked));
-        if seen.events.iter().any(|event| matches!(event, Event::Detected)) {
-            facts.push(Fact::new("Corners of FAST", grouped(level.found), None));
-            facts.push(Fact::new("With room for the patch", grouped(level.ranked.len()), None));
-        }
-        let place = match seen.events.last() {
-            Some(Event::Peak(place, _)) => Some(*place),
-            _ => level.ranked.first().map(|(place, _)| *place).filter(|_| is_ranked),
-        };
-        let mut readouts = Vec::new();
-        if let Some(place) = place {
-            facts.push(Fact::new("Corner", pixel(level.place(place)), Some(Role::Reference)));
-            facts.push(Fact::new("Harris response R", numbers::gray(level.response(place)), Some(Role::Result)));
-            let values = explain::around(&level.of.picture, level.place(place), 4);
-            readouts.push(Readout::Series(responses(level)));
-            readouts.push(Readout::Tiles(vec![Tile {
-                label: "Level",
-                role: None,
-                values,
-                range: [0.0, 255.0],
-                framed: Vec::new(),
-            }]));
-        }
-        readouts.insert(0, Readout::Facts(facts));
-        readouts
-    }
-
-    fn readouts_of_keypoint(&self, seen: &Seen<Self>, probe: &Probe<'_>) -> Vec<Readout> {
-        let (state, corner) = (seen.before, seen.before.corners[probe.index]);
-        let Moments { m00, m10, m01 } = probe.moments;
-        let whole = |moment: i32| numbers::fixed(moment as f32, 0);
-        let mut facts = vec![
-            Fact::new("Keypoint", format!("{} of {}", probe.index + 1, state.corners.len()), None),
-            Fact::new("Pixel of its level", pixel(probe.place), Some(Role::Reference)),
-            Fact::new("Harris response R", numbers::gray(corner.response), None),
-            Fact::new("m₀₀, m₁₀, m₀₁", [m00, m10, m01].map(whole).join(", "), None),
-            Fact::new("Orientation θ", degrees(&probe.moments), Some(Role::Result)),
-        ];
-        let mut lines = vec![angle_in_symbols(), angle_in_numbers(&probe.moments)];
-        if let Some((k, bit)) = probe.bits.len().checked_sub(1).map(|k| (k, probe.bits[k])) {
-            let [a, b] = self.means(state, probe, k).map(numbers::gray);
-            let ones = probe.bits.iter().filter(|bit| **bit).count();
-            facts.push(Fact::new("Means of the windows", format!("{a} and {b}"), Some(Role::Candidate)));
-            facts.push(Fact::new("Bits so far", format!("{} of {BITS}, {ones} set", k + 1), None));
-            facts.push(Fact::new("Last bits", last_bits(&probe.bits), None));
-            lines.push(Math::Row(vec![
-                Math::text(format!("{a} < {b}: {}", if bit { "true, bit " } else { "false, bit " })),
-                Math::ink(Role::Result, u8::from(bit).to_string()),
-            ]));
-        }
-        let tile = |label, values| Tile { label, role: None, values, range: [0.0, 255.0], framed: Vec::new() };
-        let tiles = vec![
-            tile("Patch", self.patch_of(probe, [1.0, 0.0])),
-            tile("Patch, upright", self.patch_of(probe, probe.moments.direction())),
-        ];
-        vec![Readout::Facts(facts), Readout::Equation(lines), Readout::Tiles(tiles)]
+        let step = step.put(features::KEYPOINTS, after.corners.len()).put(value::LEVELS, after.levels.len());
+        let step = step.put(value::BY_LEVEL, by_level.join(", ")).put(value::ONES, 100.0 * share).say(case::END);
+        let shares: usize = after.levels.iter().map(|level| level.share).sum();
+        step.say(if after.corners.len() < shares { case::SOME_HAVE_FEWER } else { case::ALL_HAVE_MORE })
     }
 
     /// The patch, sampled along a direction.
@@ -458,19 +316,12 @@ impl Level {
     }
 }
 
-/// Explains the ranking of a level.
-fn ranked(level: &Level, index: usize) -> Sentence {
-    let said = Sentence::default();
-    let (Some((_, first)), Some((_, last))) = (level.ranked.first(), level.ranked.last()) else {
-        return said.text(format!("There is no corner on level {index} to be ranked."));
-    };
-    said.text(format!(
-        "The FAST score is high along edges too, so the corners are ranked by their Harris response over 7×7 \
-         px, here {} to {}. Keypoints of level {index}: the strongest {}.",
-        numbers::gray(*first),
-        numbers::gray(*last),
-        grouped(level.share.min(level.ranked.len()))
-    ))
+/// Puts a corner of a level with its response, and shows it.
+fn measured(step: Step, level: &Level, place: u32) -> Step {
+    let values = explain::around(&level.of.picture, level.place(place), 4);
+    let tile = Tile { label: "Level", role: None, values, range: [0.0, 255.0], framed: Vec::new() };
+    let step = step.fact(features::PIXEL, level.place(place)).fact(features::RESPONSE, level.response(place));
+    step.show(Readout::Series(responses(level))).show(Readout::Tiles(vec![tile]))
 }
 
 /// The responses of a level by rank, and how many of them it may keep.
@@ -501,38 +352,4 @@ fn last_bits(bits: &[bool]) -> String {
     // In fours, as a nibble is read.
     let fours = last.chunks(4).map(|four| four.iter().map(|bit| if *bit { '1' } else { '0' }).collect::<String>());
     fours.collect::<Vec<_>>().join(" ")
-}
-
-/// The orientation in degrees.
-fn degrees(moments: &Moments) -> String {
-    format!("{}°", numbers::fixed(moments.angle_rad().to_degrees(), 1))
-}
-
-fn angle_in_symbols() -> Math {
-    let moment = |index| Math::indexed(Math::Var("m"), Math::text(index));
-    let sum = |factor| Math::Row(vec![Math::text("Σ "), Math::Var(factor), Math::text(" "), Math::Var("I")]);
-    Math::Row(vec![
-        Math::Var("θ"),
-        Math::text(" = atan2("),
-        moment("01"),
-        Math::text(", "),
-        moment("10"),
-        Math::text(") = atan2("),
-        sum("y"),
-        Math::text(", "),
-        sum("x"),
-        Math::text(")"),
-    ])
-}
-
-fn angle_in_numbers(moments: &Moments) -> Math {
-    let whole = |moment: i32| Math::ink(Role::Estimate, numbers::fixed(moment as f32, 0));
-    Math::Row(vec![
-        Math::text(" = atan2("),
-        whole(moments.m01),
-        Math::text(", "),
-        whole(moments.m10),
-        Math::text(") = "),
-        Math::ink(Role::Result, degrees(moments)),
-    ])
 }

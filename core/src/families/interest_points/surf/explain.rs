@@ -2,16 +2,15 @@
 
 use std::sync::Arc;
 
-use super::hessian::{BALANCE, Filter, LAYERS, Layer, Neighbor, Refined, Weighted, determinant};
-use super::{Event, MIDDLE, Maximum, Part, State, Surf, line};
-use crate::base::words::{counted, grouped, pixel, place};
+use super::hessian::{BALANCE, Filter, LAYERS, Layer, Weighted, determinant};
+use super::{Event, MIDDLE, Maximum, Part, State, Surf, case, features, line, value};
 use crate::geometry::Grid;
-use crate::methods::differential::{explain, numbers};
-use crate::methods::features::draw_keypoints;
+use crate::methods::differential::explain;
 use crate::methods::features::haar::{Blob, SECTOR_RAD, SIDE, WHEEL_REACH, dominant, sector_start, subregion_corners};
 use crate::methods::features::integral::{Integral, PixelBox};
+use crate::methods::features::{Selection, be, draw_keypoints, unit_of_parts};
 use crate::run::Seen;
-use crate::scene::{Fact, Math, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step, Tile};
+use crate::scene::{Number, Picture, Readout, Role, Scene, Series, Shape, Step, Tile, Value, Variable};
 
 /// The symbols of the three filters.
 const SYMBOLS: [&str; 3] = ["D_xx", "D_yy", "D_xy"];
@@ -86,234 +85,156 @@ impl Surf {
         }
     }
 
-    /// Why there are no keypoints.
-    fn none_said(&self, state: &State) -> String {
-        let responses = state.layers.iter().flat_map(|layer| layer.responses.cells());
-        let largest = responses.fold(0.0, |most: f32, response| most.max(*response));
-        match largest > self.threshold {
-            true => "0 samples above the threshold are a maximum among their 26 neighbours, so there are no keypoints: the frame has no blobs \
-                     of these sizes."
-                .into(),
-            false => format!(
-                "The largest response is R = {}, and a keypoint needs more than the threshold R = {}, so there are no keypoints: the frame \
-                 has too little contrast. A lower threshold finds weaker ones.",
-                numbers::gray(largest),
-                numbers::gray(self.threshold)
-            ),
-        }
-    }
-
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
-        let (line, sentence, readouts) = match self.probe(seen) {
-            None => (line::EACH_LAYER, introduction(), Vec::new()),
-            Some(Probe::Integral) => (line::INTEGRAL, summed(seen.before), integral_facts(seen.before)),
-            Some(Probe::Filter(of)) => {
-                let (line, sentence) = filtered(&of);
-                (line, sentence, readouts_of_filter(seen.before, &of))
-            }
-            Some(Probe::Search(of)) => {
-                let (line, sentence) = self.searched(seen, &of);
-                (line, sentence, self.readouts_of_search(&of))
-            }
-            Some(Probe::Choice(maxima)) => {
-                let (line, sentence) = self.chosen(seen, maxima);
-                (line, sentence, readouts_of_choice(seen, maxima))
-            }
-            Some(Probe::Keypoint(of)) => {
-                let (line, sentence) = self.described(seen, &of);
-                (line, sentence, readouts_of_keypoint(seen.before, &of))
-            }
+        let step = match self.probe(seen) {
+            None => Step::at(line::EACH_LAYER).say(case::OPENING),
+            Some(Probe::Integral) => summed(seen.before),
+            Some(Probe::Filter(of)) => filtered(seen.before, &of),
+            Some(Probe::Search(of)) => self.searched(seen, &of),
+            Some(Probe::Choice(maxima)) => self.chosen(seen, maxima),
+            Some(Probe::Keypoint(of)) => self.described(seen, &of),
         };
-        Step { line, sentence: self.concluded(seen, sentence), readouts }
+        self.concluded(seen, step)
     }
 
-    fn searched(&self, seen: &Seen<Self>, of: &Searched<'_>) -> (Name, Sentence) {
-        let said = Sentence::default();
+    /// Explains the search of a layer.
+    fn searched(&self, seen: &Seen<Self>, of: &Searched<'_>) -> Step {
         let [below, here, above] = of.layers;
-        let response = |(k, sample): Neighbor| numbers::gray(of.layers[k].responses[sample]);
+        let at = |line| {
+            let step = Step::at(line).fact(value::OCTAVE, of.octave + 1);
+            let step = step.fact(value::SIDES, of.layers.map(|layer| layer.filter.size as f64));
+            let step = step.put(value::SIDE_BELOW, below.filter.size).put(value::SIDE, here.filter.size);
+            let step = step.put(value::SIDE_ABOVE, above.filter.size).fact_of(self.limit());
+            let Some(sample) = of.sample else { return step };
+            let response = here.responses[sample];
+            let tile = |(label, layer): (&'static str, &Layer)| {
+                let values = explain::around(&layer.responses, sample, 1);
+                Tile { label, role: None, values, range: [0.0, response.max(1.0)], framed: Vec::new() }
+            };
+            let tiles = ["R, layer below", "R", "R, layer above"].into_iter().zip(of.layers).map(tile).collect();
+            let step = step.fact(features::PIXEL, here.pixel(sample)).fact(features::RESPONSE, response);
+            step.show(Readout::Tiles(tiles))
+        };
+        let inked = |step: Step, sample, role| step.put_value(features::PIXEL.is(here.pixel(sample)).inked(role));
         match seen.events.last() {
-            Some(Event::Compared(sample, Some(by))) => {
-                let which = match by.0 {
-                    0 => format!(" of the layer below (L = {})", below.filter.size),
-                    2 => format!(" of the layer above (L = {})", above.filter.size),
-                    _ => " of its own layer".to_owned(),
-                };
-                let said = said
-                    .ink(Role::Rejected, format!("Sample {}", pixel(here.pixel(*sample))))
-                    .text(format!(": R = {} is above the threshold, but its neighbour ", response((1, *sample))))
-                    .ink(Role::Best, pixel(of.layers[by.0].pixel(by.1)))
-                    .text(format!("{which} has {}, which is no smaller: suppressed.", response(*by)));
-                (line::SUPPRESS, said)
+            Some(Event::Compared(sample, None)) => inked(at(line::SUPPRESS), *sample, Role::Best).say(case::MAXIMUM),
+            Some(Event::Compared(sample, Some((k, other)))) => {
+                let layer = of.layers[*k];
+                let step = inked(at(line::SUPPRESS), *sample, Role::Rejected);
+                let step = step.put(features::NEIGHBOUR, layer.pixel(*other));
+                let step = step.put(features::OTHER_RESPONSE, layer.responses[*other]).say(case::SUPPRESSED);
+                step.say([case::OF_LAYER_BELOW, case::OF_ITS_LAYER, case::OF_LAYER_ABOVE][*k])
             }
-            Some(Event::Compared(sample, None)) => {
-                let said = said
-                    .ink(Role::Best, format!("Sample {}", pixel(here.pixel(*sample))))
-                    .text(format!(
-                        ": R = {} exceeds all 26 neighbours, 8 in its layer and 9 in each of the layers of L = {} and {}: a maximum \
-                         over position and scale.",
-                        response((1, *sample)),
-                        below.filter.size,
-                        above.filter.size
-                    ));
-                (line::SUPPRESS, said)
+            Some(Event::Refined(_, None)) => at(line::REFINE).say(case::NO_VERTEX),
+            Some(Event::Refined(_, Some(refined))) => {
+                let [x, y, layers] = refined.offset;
+                let step = at(line::REFINE).put(value::OFFSET, [x, y]).put(value::LAYER_OFFSET, layers);
+                let step = step.put(features::RESPONSE, refined.response).say(case::VERTEX);
+                step.say(if refined.is_near() { case::ACCEPTED } else { case::TOO_FAR })
             }
-            Some(Event::Refined(sample, refined)) => (line::REFINE, refined_to(here.pixel(*sample), *refined)),
             _ => {
                 let count = here.responses.cells().iter().filter(|response| **response > self.threshold).count();
-                let said = said.text(format!(
-                    "Octave {}, L = {} px: {} the threshold R = {}. Non-maximum suppression compares each with its 26 neighbours \
-                     in position and scale.",
-                    of.octave + 1,
-                    here.filter.size,
-                    match count {
-                        1 => "1 sample exceeds".to_owned(),
-                        count => format!("{} samples exceed", grouped(count)),
-                    },
-                    self.threshold
-                ));
-                (line::EACH_SAMPLE, said)
+                let step = at(line::EACH_SAMPLE).put(value::SAMPLES, count);
+                step.put(value::EXCEED, if count == 1 { "exceeds" } else { "exceed" }).say(case::ABOVE_THRESHOLD)
             }
         }
     }
 
-    fn chosen(&self, seen: &Seen<Self>, maxima: &[Maximum]) -> (Name, Sentence) {
-        let said = Sentence::default();
-        let response = |index: usize| numbers::gray(maxima[index].refined.response);
-        let at = |index: usize| place(maxima[index].blob.at);
-        match seen.events.last() {
-            Some(Event::Peak(index, Some(near))) => {
-                let said = said
-                    .text("Maximum ")
-                    .ink(Role::Rejected, at(*index))
-                    .text(format!(
-                        ", R = {}, is closer than the minimum distance ({} px) to keypoint ",
-                        response(*index),
-                        self.selection.min_distance
-                    ))
-                    .ink(Role::Result, at(*near))
-                    .text(format!(" with R = {}, which is no smaller: rejected.", response(*near)));
-                (line::DROP_NEAR, said)
-            }
-            Some(Event::Peak(index, None)) => {
-                let said = said.text("Maximum ").ink(Role::Result, at(*index)).text(format!(
-                    ", R = {}, scale s = {} px: kept as keypoint {}.",
-                    response(*index),
-                    numbers::px(maxima[*index].blob.scale),
-                    grouped(kept(seen).count())
-                ));
-                (line::KEEP, said)
-            }
-            _ if maxima.is_empty() => (
-                line::EACH_PEAK,
-                said.text(self.none_said(seen.before)),
-            ),
-            _ => (
-                line::EACH_PEAK,
-                said.text(format!(
-                    "{} ranked by response. In this order at most {} become keypoints (the maximum number of points), each at least {} \
-                     px (the minimum distance) from those kept before.",
-                    match maxima.len() {
-                        1 => "1 maximum is".to_owned(),
-                        count => format!("{} maxima are", grouped(count)),
-                    },
-                    grouped(self.selection.max_points),
-                    self.selection.min_distance
-                )),
-            ),
-        }
+    /// The threshold as it was set.
+    fn limit(&self) -> Value {
+        features::THRESHOLD.is(self.threshold)
     }
 
-    fn described(&self, seen: &Seen<Self>, of: &Described<'_>) -> (Name, Sentence) {
-        let said = Sentence::default();
-        let Blob { at, scale } = of.maximum.blob;
-        match seen.events.last() {
-            Some(Event::Wavelets) => {
-                let said = said.text(format!("Keypoint {} at ", of.index + 1)).ink(Role::Reference, place(at)).text(format!(
-                    ": Haar wavelets of side 4 s = {} px respond at 109 samples within 6 s = {} px, s = {} px. They are weighted with a \
-                     Gaussian of standard deviation 2 s.",
-                    numbers::px(4.0 * scale),
-                    numbers::px(6.0 * scale),
-                    numbers::px(scale)
-                ));
-                (line::WAVELETS, said)
-            }
-            Some(Event::Sector(sum)) => {
-                let k = of.sums.len() - 1;
-                let (best, _) = dominant(&of.sums);
-                let length = |[x, y]: [f32; 2]| numbers::gray(x.hypot(y));
-                let verdict = match best == k {
-                    true => "the longest so far".to_owned(),
-                    false => format!("shorter than {} from {} on", length(of.sums[best]), degrees(sector_start(best))),
-                };
-                let said = said.text(format!(
-                    "Sector from {} to {}: the responses in it sum to a vector of length {}, {verdict}.",
-                    degrees(sector_start(k)),
-                    degrees(sector_start(k) + SECTOR_RAD),
-                    length(*sum)
-                ));
-                (line::SECTOR, said)
-            }
-            Some(Event::Subregion(sums)) => {
-                let k = of.subregions.len();
-                let [dx, dy, x, y] = sums.map(numbers::gray);
-                let said = said.text(format!(
-                    "Subregion {k} of {}: Σ d_x = {dx}, Σ d_y = {dy}, Σ |d_x| = {x}, Σ |d_y| = {y}. A sum much smaller than that of its \
-                     absolute values means that the gradient changes sign, as in a pattern of stripes.",
-                    SIDE * SIDE
-                ));
-                (line::SUBREGION, said)
-            }
-            Some(Event::UnitLength(length)) => {
-                let said = match *length > 0.0 {
-                    true => format!(
-                        "The 64 values have the length {}. Divided by it, they no longer depend on the contrast.",
-                        numbers::gray(*length)
-                    ),
-                    false => {
-                        "All 64 values are 0: the neighbourhood is flat and cannot be distinguished from others.".into()
-                    }
-                };
-                (line::UNIT_LENGTH, Sentence::default().text(said))
-            }
-            _ if self.upright => (
-                line::ORIENT,
-                said.text(format!("Keypoint {} at ", of.index + 1))
-                    .ink(Role::Reference, place(at))
-                    .text(format!(", s = {} px: upright, so its orientation is θ = 0.", numbers::px(scale))),
-            ),
-            _ => {
-                let (best, angle_rad) = dominant(&of.sums);
-                let [x, y] = of.sums.get(best).copied().unwrap_or_default();
-                let said = said
-                    .text(format!(
-                        "The sector from {} on has the longest sum, {}. Its direction is the orientation θ = ",
-                        degrees(sector_start(best)),
-                        numbers::gray(x.hypot(y))
-                    ))
-                    .ink(Role::Result, degrees(angle_rad))
-                    .text(".");
-                (line::ORIENT, said)
-            }
-        }
-    }
-
-    fn readouts_of_search(&self, of: &Searched<'_>) -> Vec<Readout> {
-        let [_, here, _] = of.layers;
-        let mut facts = vec![
-            Fact::new("Octave", (of.octave + 1).to_string(), None),
-            Fact::new("Filter sizes L", of.layers.map(|layer| layer.filter.size.to_string()).join(", "), None),
-            Fact::new("Threshold", self.threshold.to_string(), None),
-        ];
-        let Some(sample) = of.sample else { return vec![Readout::Facts(facts)] };
-        facts.push(Fact::new("Sample", pixel(here.pixel(sample)), Some(Role::Reference)));
-        facts.push(Fact::new("Response R", numbers::gray(here.responses[sample]), Some(Role::Result)));
-        let most = here.responses[sample].max(1.0);
-        let labels = ["R, layer below", "R", "R, layer above"];
-        let tile = |(label, layer): (&'static str, &Layer)| {
-            let values = explain::around(&layer.responses, sample, 1);
-            Tile { label, role: None, values, range: [0.0, most], framed: Vec::new() }
+    /// Explains the selection of keypoints.
+    fn chosen(&self, seen: &Seen<Self>, maxima: &[Maximum]) -> Step {
+        let Selection { min_distance, max_points } = self.selection;
+        let kept = seen.events.iter().filter(|event| matches!(event, Event::Peak(_, None))).count();
+        let at = |line| {
+            let step = Step::at(line).fact(value::MAXIMA, maxima.len());
+            let step = step.fact_of(features::KEPT.is(kept).inked(Role::Result)).put_value(self.limit());
+            step.put(features::MIN_DISTANCE, min_distance).put(features::MAX_POINTS, max_points)
         };
-        vec![Readout::Facts(facts), Readout::Tiles(labels.into_iter().zip(of.layers).map(tile).collect())]
+        let Some(Event::Peak(index, near)) = seen.events.last() else {
+            let step = at(line::EACH_PEAK).put(features::BE, be(maxima.len()));
+            if !maxima.is_empty() {
+                return step.say(case::RANKED);
+            }
+            let responses = seen.before.layers.iter().flat_map(|layer| layer.responses.cells());
+            let largest = responses.fold(0.0, |most: f32, response| most.max(*response));
+            let said = if largest > self.threshold { case::NO_MAXIMA } else { case::ALL_BELOW };
+            return step.put(features::LARGEST_RESPONSE, largest).say(said);
+        };
+        let Maximum { octave, layer, refined, blob, .. } = maxima[*index];
+        let (line, role) = if near.is_some() { (line::DROP_NEAR, Role::Rejected) } else { (line::KEEP, Role::Result) };
+        let step = at(line).fact(features::POSITION, blob.at).fact(value::SCALE, blob.scale);
+        let step = step.fact(value::OCTAVE, octave + 1).fact(value::SIDE, Filter::of(octave, layer).size);
+        let step = step.fact(features::RESPONSE, refined.response);
+        let step = step.put_value(features::POSITION.is(blob.at).inked(role));
+        let Some(near) = near else { return step.say(case::KEPT) };
+        let Maximum { refined, blob, .. } = maxima[*near];
+        step.put(value::NEAR_KEYPOINT, blob.at).put(features::OTHER_RESPONSE, refined.response).say(case::NEAR)
+    }
+
+    /// Explains the description of a keypoint.
+    fn described(&self, seen: &Seen<Self>, of: &Described<'_>) -> Step {
+        let last = seen.events.last();
+        let line = match last {
+            Some(Event::Wavelets) => line::WAVELETS,
+            Some(Event::Sector(_)) => line::SECTOR,
+            Some(Event::Subregion(_)) => line::SUBREGION,
+            Some(Event::UnitLength(_)) => line::UNIT_LENGTH,
+            _ => line::ORIENT,
+        };
+        let Blob { at, scale } = of.maximum.blob;
+        let step = Step::at(line).fact(features::KEYPOINT, of.index + 1);
+        let step = step.fact(features::KEYPOINTS, seen.before.kept().len());
+        let step = step.fact(features::POSITION, at).fact(value::SCALE, scale);
+        let step = step.fact_if(features::ORIENTATION, of.angle_rad.map(f32::to_degrees));
+        let step = step.fact_if(value::LENGTH, of.length);
+        let (best, _) = dominant(&of.sums);
+        let length = |[x, y]: [f32; 2]| x.hypot(y);
+        let longest = of.sums.get(best).copied().unwrap_or_default();
+        let step = step.put(value::LONGEST, length(longest));
+        let step = step.put(value::LONGEST_START, sector_start(best).to_degrees());
+        let step = step.put(value::WAVELET_SIDE, 4.0 * scale).put(value::WHEEL_RADIUS, 6.0 * scale);
+        charted(
+            match last {
+                Some(Event::Wavelets) => step.say(case::WAVELETS),
+                Some(Event::Sector(sum)) => {
+                    let k = of.sums.len() - 1;
+                    let ends = [sector_start(k), sector_start(k) + SECTOR_RAD].map(f32::to_degrees);
+                    let step = step.put(value::SECTOR_START, ends[0]).put(value::SECTOR_END, ends[1]);
+                    let step = step.put(value::SECTOR_LENGTH, length(*sum)).say(case::SECTOR);
+                    step.say(match best == k {
+                        true if k == 0 => case::IS_FIRST,
+                        true => case::IS_LONGEST,
+                        false => case::IS_SHORTER,
+                    })
+                }
+                Some(Event::Subregion([dx, dy, x, y])) => {
+                    let step = step.put(value::SUBREGION, of.subregions.len()).put(value::SUM_X, *dx);
+                    step.put(value::SUM_Y, *dy).put(value::SIZE_X, *x).put(value::SIZE_Y, *y).say(case::SUBREGION)
+                }
+                Some(Event::UnitLength(length)) => {
+                    step.say(if *length > 0.0 { case::UNIT_LENGTH } else { case::ALL_ZERO })
+                }
+                _ => step.say(if self.upright { case::UPRIGHT } else { case::ORIENTED }),
+            },
+            of,
+        )
+    }
+
+    /// Adds the conclusion at the end of a run.
+    fn concluded(&self, seen: &Seen<Self>, step: Step) -> Step {
+        let Some(after) = seen.after.filter(|after| after.is_described()) else { return step };
+        let kept = || after.kept().iter().map(|index| &after.maxima[*index]);
+        let (Some(first), Some(last)) = (kept().next(), kept().next_back()) else { return step };
+        let by_octave = (0..after.octaves).map(|octave| kept().filter(|maximum| maximum.octave == octave).count());
+        let step = step.put(features::KEYPOINTS, after.kept().len()).put(value::MAXIMA, after.maxima.len());
+        let step = step.put(features::FIRST_RESPONSE, first.refined.response);
+        let step = step.put(features::LAST_RESPONSE, last.refined.response);
+        let step = step.put(value::BY_OCTAVE, by_octave.collect::<Number>()).say(case::END);
+        step.say(self.selection.advice(after.kept().len(), after.maxima.len()))
     }
 
     pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
@@ -351,258 +272,99 @@ fn described<'a>(seen: &Seen<Surf>, index: usize, maximum: &'a Maximum) -> Descr
     of
 }
 
-fn degrees(angle_rad: f32) -> String {
-    format!("{}°", numbers::fixed(angle_rad.to_degrees(), 1))
-}
-
-/// The maxima kept so far.
-fn kept(seen: &Seen<Surf>) -> impl Iterator<Item = usize> {
-    seen.events.iter().filter_map(|event| match event {
-        Event::Peak(index, None) => Some(*index),
-        _ => None,
-    })
-}
-
-fn introduction() -> Sentence {
-    Sentence::default().text(
-        "A blob has large second derivatives of one sign in all directions, so the determinant of its Hessian is large. SURF computes the \
-         derivatives with box filters: the sum of a box of any size needs four values of an integral image.",
-    )
-}
-
-fn summed(state: &State) -> Sentence {
-    let (width, height) = state.picture.size();
-    Sentence::default().text(format!(
-        "The integral image Σ holds the sum of all pixels above and to the left of each of {}×{} corners. The sum of any box is then D − B − \
-         C + A of the values at its corners: three additions, whatever its size.",
-        width + 1,
-        height + 1
-    ))
-}
-
-fn integral_facts(state: &State) -> Vec<Readout> {
+fn summed(state: &State) -> Step {
     let (width, height) = state.picture.size();
     let all: u64 = state.picture.luma().cells().iter().map(|level| u64::from(*level)).sum();
-    vec![Readout::Facts(vec![
-        Fact::new("Picture", format!("{width}×{height} px"), None),
-        Fact::new("Sum of all gray levels", grouped(all as usize), None),
-    ])]
+    let step = Step::at(line::INTEGRAL).fact(features::WIDTH, width).fact(features::HEIGHT, height);
+    let step = step.fact(value::SUM, all as f64).put(value::COLUMNS, width + 1).put(value::ROWS, height + 1);
+    step.say(case::SUMMED)
 }
 
 /// Explains a filter at a pixel.
-fn filtered(of: &Filtered<'_>) -> (Name, Sentence) {
+fn filtered(state: &State, of: &Filtered<'_>) -> Step {
     let lines = [line::DERIVE_XX, line::DERIVE_YY, line::DERIVE_XY, line::DETERMINANT];
-    let line = lines[of.part.min(3)];
     let Filter { size } = of.layer.filter;
-    let (octave, scale) = (of.octave + 1, numbers::px(of.layer.filter.scale()));
-    let said = Sentence::default();
+    let step = Step::at(lines[of.part.min(3)]).fact(value::OCTAVE, of.octave + 1).fact(value::SIDE, size);
+    let step = step.fact(value::SCALE, of.layer.filter.scale()).fact(value::SPACING, of.layer.step);
     let Some(sample) = of.sample else {
-        let what = SYMBOLS.get(of.part).map_or("The determinant".to_owned(), |symbol| format!("The filter {symbol}"));
-        return (
-            line,
-            said.text(format!(
-                "{what} of side L = {size} px (octave {octave}, scale s = {scale} px) has no positive response: the picture is flat for \
-                 it, or smaller than it."
-            )),
-        );
-    };
-    let derivatives = of.layer.filter.derivatives(of.integral, of.layer.pixel(sample));
-    let name = format!("Pixel {}", pixel(of.layer.pixel(sample)));
-    if let Some(symbol) = SYMBOLS.get(of.part) {
-        let boxes = if of.part == 2 {
-            "four boxes with weights 1, −1, −1, 1"
-        } else {
-            "three boxes with weights 1, −2, 1"
+        return match SYMBOLS.get(of.part) {
+            Some(symbol) => step.put(value::FILTER, *symbol).say(case::NO_FILTER),
+            None => step.say(case::NO_DETERMINANT),
         };
-        let along = ["along x", "along y", "along both axes"][of.part];
-        let said = said.ink(Role::Reference, name).text(format!(
-            ", L = {size} px, s = {scale} px: {symbol} = {}, the second derivative {along} by {boxes}.",
-            numbers::gray(derivatives[of.part])
-        ));
-        return (line, said);
-    }
-    let response = determinant(derivatives);
-    let [xx, yy, _] = derivatives;
-    let meaning = match () {
-        () if response > 0.0 && xx + yy < 0.0 => "is positive, and the second derivatives are negative: a bright blob",
-        () if response > 0.0 => "is positive, and so are the second derivatives: a dark blob",
-        () => "is not positive: the second derivatives differ in sign, or there is an edge",
     };
-    let said = said
-        .ink(Role::Reference, name)
-        .text(format!(", octave {octave}, L = {size} px: R = D_xx D_yy − (0.9 D_xy)² = "))
-        .ink(Role::Result, numbers::gray(response))
-        .text(format!(" {meaning}."));
-    (line, said)
-}
-
-fn readouts_of_filter(state: &State, of: &Filtered<'_>) -> Vec<Readout> {
-    let Filter { size } = of.layer.filter;
-    let mut facts = vec![
-        Fact::new("Octave", (of.octave + 1).to_string(), None),
-        Fact::new("Filter side L", format!("{size} px"), None),
-        Fact::new("Scale s = 1.2 L / 9", format!("{} px", numbers::px(of.layer.filter.scale())), None),
-        Fact::new("Sample spacing", format!("{} px", of.layer.step), None),
-    ];
-    let Some(sample) = of.sample else { return vec![Readout::Facts(facts)] };
     let at = of.layer.pixel(sample);
     let derivatives = of.layer.filter.derivatives(of.integral, at);
-    facts.push(Fact::new("Pixel", pixel(at), Some(Role::Reference)));
-    for (symbol, derivative) in SYMBOLS.into_iter().zip(derivatives).take(of.part + 1) {
-        facts.push(Fact::new(symbol, numbers::gray(derivative), None));
-    }
-    let mut readouts = Vec::new();
-    if of.part < 3 {
-        readouts.push(Readout::Equation(box_equations(of, at)));
-    } else {
-        facts.push(Fact::new("Response R", numbers::gray(determinant(derivatives)), Some(Role::Result)));
-        readouts.push(Readout::Equation(determinant_equations(derivatives)));
-    }
+    let all = DERIVATIVES.into_iter().zip(derivatives).take(of.part + 1);
+    let step = all.fold(step.fact(features::PIXEL, at), |step, (of, derivative)| step.fact(of, derivative));
     let values = explain::around(state.picture.luma(), at, (size / 2).min(5));
-    readouts.push(Readout::Tiles(vec![Tile {
-        label: "Frame t",
-        role: None,
-        values,
-        range: [0.0, 255.0],
-        framed: Vec::new(),
-    }]));
-    readouts.insert(0, Readout::Facts(facts));
-    readouts
-}
-
-/// The sum of the first box by its corners, and the filter by the sums of its boxes.
-fn box_equations(of: &Filtered<'_>, at: (usize, usize)) -> Vec<Math> {
-    let boxes = &of.layer.filter.boxes(at)[of.part];
-    let whole = |value: i64| numbers::fixed(value as f32, 0);
-    let Some((first, _)) = boxes.first() else { return Vec::new() };
-    let [a, b, c, d] = of.integral.corners(*first).map(|corner| grouped(corner as usize));
-    let sum = grouped(of.integral.sum(*first) as usize);
-    let corners = Math::Row(vec![
-        Math::indexed(Math::Var("S"), Math::text("1")),
-        Math::text(" = D − B − C + A = "),
-        Math::ink(Role::Result, format!("{d} − {b} − {c} + {a}")),
-        Math::text(format!(" = {sum}")),
-    ]);
-    let terms: Vec<String> = boxes
-        .iter()
-        .map(|(of_box, weight)| {
-            let sign = if *weight < 0 { "− " } else { "+ " };
-            let factor = if weight.abs() > 1 { format!("{} · ", weight.abs()) } else { String::new() };
-            format!("{sign}{factor}{}", grouped(of.integral.sum(*of_box) as usize))
-        })
-        .collect();
-    let total: i64 =
-        boxes.iter().map(|(of_box, weight)| i64::from(*weight) * i64::from(of.integral.sum(*of_box))).sum();
-    let Filter { size } = of.layer.filter;
-    let filter = Math::Row(vec![
-        Math::indexed(Math::Var("D"), Math::Var(["xx", "yy", "xy"][of.part])),
-        Math::text(format!(
-            " = ({}) / {size}² = {} / {} = ",
-            terms.join(" ").trim_start_matches("+ "),
-            whole(total),
-            size * size
-        )),
-        Math::ink(Role::Result, numbers::gray(total as f32 / (size * size) as f32)),
-    ]);
-    vec![corners, filter]
-}
-
-fn determinant_equations(derivatives: [f32; 3]) -> Vec<Math> {
-    let symbol = |index| Math::indexed(Math::Var("D"), Math::Var(index));
-    let [xx, yy, xy] = derivatives.map(numbers::gray);
-    let symbols = Math::Row(vec![
-        Math::Var("R"),
-        Math::text(" = "),
-        symbol("xx"),
-        Math::text(" "),
-        symbol("yy"),
-        Math::text(" − "),
-        Math::squared(Math::Row(vec![Math::text(format!("({BALANCE} ")), symbol("xy"), Math::text(")")])),
-    ]);
-    let numbers = Math::Row(vec![
-        Math::text(" = "),
-        Math::ink(Role::Reference, xx),
-        Math::text(" · "),
-        Math::ink(Role::Reference, yy),
-        Math::text(" − "),
-        Math::squared(Math::Row(vec![
-            Math::text(format!("({BALANCE} · ")),
-            Math::ink(Role::Reference, xy),
-            Math::text(")"),
-        ])),
-        Math::text(" = "),
-        Math::ink(Role::Result, numbers::gray(determinant(derivatives))),
-    ]);
-    vec![symbols, numbers]
-}
-
-/// Explains the refinement of a maximum.
-fn refined_to(at: (usize, usize), refined: Option<Refined>) -> Sentence {
-    let said = Sentence::default().ink(Role::Reference, format!("Maximum {}", pixel(at)));
-    let Some(refined) = refined else {
-        return said.text(": the quadratic function through its neighbours has no vertex, so it is rejected.");
-    };
-    let [dx, dy, ds] = refined.offset.map(numbers::gray);
-    let said = said.text(format!(
-        ": the vertex of the quadratic function through its neighbours lies at an offset of ({dx},\u{a0}{dy}) samples and {ds} layers, "
-    ));
-    match refined.is_near() {
-        true => said.text("with R = ").ink(Role::Result, numbers::gray(refined.response)).text(": accepted."),
-        false => said
-            .text("more than one sample away, where the fit is unreliable: ")
-            .ink(Role::Rejected, "rejected")
-            .text("."),
+    let tile = Tile { label: "Frame t", role: None, values, range: [0.0, 255.0], framed: Vec::new() };
+    let step = step.show(Readout::Tiles(vec![tile]));
+    match [case::ALONG_X, case::ALONG_Y, case::ALONG_BOTH].get(of.part) {
+        Some(case) => boxes(step.say(case), of, at),
+        None => multiplied(step, derivatives),
     }
 }
 
-fn readouts_of_choice(seen: &Seen<Surf>, maxima: &[Maximum]) -> Vec<Readout> {
-    let mut facts = vec![
-        Fact::new("Maxima", grouped(maxima.len()), None),
-        Fact::new("Kept so far", grouped(kept(seen).count()), Some(Role::Result)),
-    ];
-    let Some(Event::Peak(index, _)) = seen.events.last() else { return vec![Readout::Facts(facts)] };
-    let Maximum { octave, layer, refined, blob, .. } = maxima[*index];
-    facts.extend([
-        Fact::new("Position", place(blob.at), Some(Role::Reference)),
-        Fact::new("Scale s", format!("{} px", numbers::px(blob.scale)), None),
-        Fact::new("Octave and filter", format!("{}, L = {} px", octave + 1, Filter::of(octave, layer).size), None),
-        Fact::new("Response R", numbers::gray(refined.response), None),
-    ]);
-    vec![Readout::Facts(facts)]
-}
+/// The variables of the three filters.
+const DERIVATIVES: [&Variable; 3] = [value::D_XX, value::D_YY, value::D_XY];
 
-fn readouts_of_keypoint(state: &State, of: &Described<'_>) -> Vec<Readout> {
-    let Blob { at, scale } = of.maximum.blob;
-    let mut facts = vec![
-        Fact::new("Keypoint", format!("{} of {}", of.index + 1, state.kept().len()), None),
-        Fact::new("Position", place(at), Some(Role::Reference)),
-        Fact::new("Scale s", format!("{} px", numbers::px(scale)), None),
-    ];
-    facts.extend(of.angle_rad.map(|angle_rad| Fact::new("Orientation θ", degrees(angle_rad), Some(Role::Result))));
-    facts.extend(of.length.map(|length| Fact::new("Length before scaling", numbers::gray(length), None)));
-    let mut readouts = vec![Readout::Facts(facts)];
-    if !of.sums.is_empty() && of.subregions.is_empty() {
-        readouts.push(Readout::Series(wheel_series(of)));
-    }
-    if !of.subregions.is_empty() {
-        readouts.push(Readout::Series(descriptor_series(of)));
-        let labels = ["Σ dx", "Σ dy", "Σ |dx|", "Σ |dy|"];
-        let most = of.subregions.iter().flatten().fold(1.0f32, |most, value| most.max(value.abs()));
-        let tile = |(i, label): (usize, &'static str)| {
-            let value = |x: usize, y: usize| {
-                of.subregions.get(y * SIDE + x).map_or(f32::NAN, |sums| (10.0 * sums[i]).round() / 10.0)
-            };
-            Tile {
-                label,
-                role: None,
-                values: Grid::from_fn(SIDE, SIDE, value),
-                range: [-most, most],
-                framed: Vec::new(),
-            }
+/// Writes the sum of the first box of a filter by its corners, and the filter by the sums of its boxes.
+fn boxes(step: Step, of: &Filtered<'_>, at: (usize, usize)) -> Step {
+    let (boxes, side) = (&of.layer.filter.boxes(at)[of.part], of.layer.filter.size);
+    let Some((first, _)) = boxes.first() else { return step };
+    let corners = [value::CORNER_A, value::CORNER_B, value::CORNER_C, value::CORNER_D];
+    let corners = corners.into_iter().zip(of.integral.corners(*first));
+    let mut step = corners.fold(step, |step, (of, corner)| step.put(of, corner)).put(value::AREA, side * side);
+    let (mut terms, mut total) = (String::new(), 0.0);
+    for (k, (of_box, weight)) in boxes.iter().enumerate() {
+        let sum = of.integral.sum(*of_box);
+        step = step.put([value::BOX_1, value::BOX_2, value::BOX_3, value::BOX_4][k], sum);
+        total += f64::from(*weight) * f64::from(sum);
+        terms += match weight {
+            1.. if k == 0 => "",
+            1.. => " + ",
+            -1 => " - ",
+            _ => r" - 2 \cdot ",
         };
-        readouts.push(Readout::Tiles(labels.into_iter().enumerate().map(tile).collect()));
+        terms += &format!("{{box_{}}}", k + 1);
     }
-    readouts
+    let (symbol, derivative) = (DERIVATIVES[of.part].symbol, SYMBOLS[of.part].to_lowercase());
+    let step = step.put(value::BOXES, total);
+    let step = step.formula("S_1 = D - B - C + A = {corner_d} - {corner_b} - {corner_c} + {corner_a} = {box_1}");
+    step.formula(format!(
+        r"{symbol} = \frac{{{terms}}}{{{{side}}^2}} = \frac{{{{boxes}}}}{{{{area}}}} = {{{derivative}}}"
+    ))
+}
+
+/// Says what the determinant shows, and writes it.
+fn multiplied(step: Step, derivatives: [f32; 3]) -> Step {
+    let response = determinant(derivatives);
+    let step = step.fact(features::RESPONSE, response).say(case::DETERMINANT).say(match () {
+        () if response > 0.0 && derivatives[0] + derivatives[1] < 0.0 => case::IS_BRIGHT,
+        () if response > 0.0 => case::IS_DARK,
+        () => case::IS_NO_BLOB,
+    });
+    let product = |[xx, yy, xy]: [f64; 3]| xx * yy - (f64::from(BALANCE) * xy).powi(2);
+    let unit = unit_of_parts(derivatives, response, product);
+    let parts = DERIVATIVES.into_iter().zip(derivatives).map(|(of, part)| of.is(part).in_unit(unit));
+    let step = parts.fold(step, Step::put_value).formula(r"R = D_{xx} D_{yy} - (0.9\,D_{xy})^2");
+    step.formula(r"R = {d_xx} \cdot {d_yy} - (0.9 \cdot {d_xy})^2 = {response}")
+}
+
+/// Adds the charts of a keypoint.
+fn charted(step: Step, of: &Described<'_>) -> Step {
+    if of.subregions.is_empty() {
+        return if of.sums.is_empty() { step } else { step.show(Readout::Series(wheel_series(of))) };
+    }
+    let most = of.subregions.iter().flatten().fold(1.0f32, |most, value| most.max(value.abs()));
+    let tile = |(i, label): (usize, &'static str)| {
+        let value = |x: usize, y: usize| {
+            of.subregions.get(y * SIDE + x).map_or(f32::NAN, |sums| (10.0 * sums[i]).round() / 10.0)
+        };
+        Tile { label, role: None, values: Grid::from_fn(SIDE, SIDE, value), range: [-most, most], framed: Vec::new() }
+    };
+    let tiles = ["Σ dx", "Σ dy", "Σ |dx|", "Σ |dy|"].into_iter().enumerate().map(tile).collect();
+    step.show(Readout::Series(descriptor_series(of))).show(Readout::Tiles(tiles))
 }
 
 /// The entries of the descriptor so far, four for each subregion.
@@ -639,39 +401,6 @@ fn wheel_series(of: &Described<'_>) -> Series {
         lines: vec![("sector of 60°", Role::Candidate, points), ("longest", Role::Result, vec![best])],
         is_sweep: true,
         ..Series::default()
-    }
-}
-
-impl Surf {
-    /// Adds the conclusion at the end of a run.
-    fn concluded(&self, seen: &Seen<Self>, sentence: Sentence) -> Sentence {
-        let Some(after) = seen.after else { return sentence };
-        let is_over = after.kept.is_some() && after.described.len() == after.kept().len();
-        let (Some(first), Some(last)) =
-            (after.keypoint(0), after.kept().last().and_then(|index| after.maxima.get(*index)))
-        else {
-            return sentence;
-        };
-        if !is_over {
-            return sentence;
-        }
-        let by_octave = (0..after.octaves).map(|octave| {
-            let is_in = |index: &&usize| after.maxima[**index].octave == octave;
-            grouped(after.kept().iter().filter(is_in).count())
-        });
-        let by_octave: Vec<String> = by_octave.collect();
-        let help = self.selection.advice(after.kept().len(), after.maxima.len());
-        sentence.text(format!(
-            " End of the run: {} from {}, responses {} to {}; by octave {}. {help}",
-            counted(after.kept().len(), "keypoint"),
-            match after.maxima.len() {
-                1 => "1 maximum".to_owned(),
-                count => format!("{} maxima", grouped(count)),
-            },
-            numbers::gray(first.refined.response),
-            numbers::gray(last.refined.response),
-            by_octave.join(", ")
-        ))
     }
 }
 

@@ -3,19 +3,82 @@
 use std::sync::Arc;
 
 use super::{Absorbed, Comparison, Data, Event, FlowSegmentation, Growth, PARTS, Part, Region, line};
-use crate::base::words;
 use crate::geometry::Grid;
 use crate::methods::differential::field;
-use crate::methods::numbers::{fixed, percent, px};
-use crate::methods::segmentation::explain::{conclusion, draw_labels, draw_segments, plane, segment_facts};
+use crate::methods::segmentation::explain::{
+    case as shared_case, concluded, draw_labels, draw_segments, plane, value as shared,
+};
 use crate::methods::segmentation::forest::Forest;
 use crate::methods::segmentation::{Place, Points, SegmentationRun};
 use crate::run::Seen;
-use crate::scene::{Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
+use crate::scene::{Name, Picture, Readout, Role, Scene, Series, Shape, Step, Unit};
+use crate::{cases, variables};
 
-/// A difference of displacements or a limit of it, in px/frame.
-fn difference(value: f32) -> String {
-    fixed(value.into(), 4)
+/// A difference of displacements or a limit of it.
+const DIFFERENCE_UNIT: Unit = Unit::new("px/frame", 4);
+
+variables! {
+    /// The number of edges between neighbouring pixels.
+    EDGES: "Edges", "", Unit::count("edge"), Role::Measured;
+    /// The largest difference of displacements in a part of the edges.
+    UP_TO: "Differences up to", "", DIFFERENCE_UNIT;
+    /// The number of merges in a part of the edges.
+    MERGES: "Merges", "", Unit::count("merge"), Role::Best;
+    /// The number of merges refused in a part of the edges.
+    REFUSALS: "Refusals", "", Unit::count(""), Role::Rejected;
+    /// The number of regions.
+    REGIONS: "Regions", "", Unit::count("region"), Role::Result;
+    /// The area of the one region in px.
+    AREA_A: "", "|A|", Unit::count("");
+    /// The area of the other region in px.
+    AREA_B: "", "|B|", Unit::count("");
+    /// The difference of the displacements across the edge.
+    DIFFERENCE: "Difference", r"|\Delta w|", DIFFERENCE_UNIT;
+    /// The largest edge merged within the one region.
+    INTERNAL_A: "", r"\text{Int}(A)", DIFFERENCE_UNIT;
+    /// The largest edge merged within the other region.
+    INTERNAL_B: "", r"\text{Int}(B)", DIFFERENCE_UNIT;
+    /// The scale of graph-based merging.
+    SCALE: "Scale", "k", Unit::new("", 1);
+    /// The limit of the difference for the one region.
+    LIMIT_A: "", "", DIFFERENCE_UNIT;
+    /// The limit of the difference for the other region.
+    LIMIT_B: "", "", DIFFERENCE_UNIT;
+    /// The smaller of both limits.
+    LIMIT: "Limit", "", DIFFERENCE_UNIT;
+    /// The first pixel of a growing region.
+    SEED: "First pixel", "", Unit::WHOLE;
+    /// The area of a region that has grown.
+    AREA: "Area", "", Unit::new("px", 0), Role::Result;
+    /// The mean displacement of a region.
+    MEAN: "Mean displacement", "", Unit::SPEED, Role::Measured;
+    /// The largest difference of a pixel from the mean of its region.
+    TOLERANCE: "Tolerance", "", Unit::SPEED;
+    /// The number of comparisons with a neighbour that was too different.
+    COMPARISONS: "Comparisons refused", "", Unit::count("comparison");
+    /// The number of merges of small regions.
+    ABSORBED: "Merges of small regions", "", Unit::count("merge"), Role::Rejected;
+    /// The smallest share of the picture that a region covers.
+    MIN_AREA: "Smallest area", "", Unit::PERCENT;
+}
+
+cases! { pub(super) over value, shared;
+    OPENING: "Within a rigid surface the flow changes smoothly from pixel to pixel; at its outline it jumps. Regions between the \
+              jumps are segments, whatever the shape of their motion.",
+    SORTED: "{edges} between neighbours are sorted by the difference of their displacements, so that similar pixels are merged \
+             before a jump is met.",
+    MERGED: "Edges up to {up_to}: {merges}, {refusals} refused, {regions}.",
+    REFUSAL: "The largest refusal: regions of {area_a} and {area_b} px differ by {difference:bare} across their edge, above the \
+              smaller limit {limit:bare}, so this is a jump.",
+    MERGE: "The largest merge: regions of {area_a} and {area_b} px differ by {difference:bare} across their edge, within the \
+            smaller limit {limit:bare}.",
+    WITHIN: "All of these edges lie within regions.",
+    GROWN: "From pixel {seed} a region grows to {area} with the mean displacement {mean}. It stops where neighbours differ from \
+            the mean by more than {tolerance}, in {comparisons}.",
+    ABSORBED: "{absorbed} of a region of less than {min_area} of the picture with a neighbour; such regions lie along jumps that \
+               the flow smooths. {regions} in all.",
+    LABELLED: "Frame {frame} is segmented along its jumps:",
+    CONNECTED: "Regions are connected, so parts of one object on both sides of another are two segments.",
 }
 
 /// The frame's flow and edges, where they are there.
@@ -50,150 +113,62 @@ fn pixel_of(data: &Data, pixel: usize) -> (usize, usize) {
 
 impl FlowSegmentation {
     pub(super) fn explained_step(&self, seen: &Seen<SegmentationRun<Self>>) -> Step {
-        let line = match seen.events.last() {
-            None => line::EACH_FRAME,
-            Some(Event::Flow(_)) => line::FIND_FLOW,
-            Some(Event::Sorted(_)) => line::SORT,
-            Some(Event::Merged(..)) => line::MERGE,
-            Some(Event::Grown(_)) => line::GROW,
-            Some(Event::Absorbed(_)) => line::ABSORB,
-            Some(Event::Labelled(_)) => line::LABEL,
-        };
-        Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
-    }
-
-    fn sentence(&self, seen: &Seen<SegmentationRun<Self>>) -> Sentence {
-        let (said, t) = (Sentence::default(), seen.before.record.frame());
-        match seen.events.last() {
-            None => said.text(
-                "Within a rigid surface the flow changes smoothly from pixel to pixel; at its outline it jumps. Regions between the jumps \
-                 are segments, whatever the shape of their motion.",
-            ),
-            Some(Event::Flow(_)) => {
-                said.text(format!("{} gives the flow from frame {t} to {}.", self.input.name(), t + 1))
-            }
-            Some(Event::Sorted(count)) => said
-                .ink(Role::Measured, format!("{} edges", words::grouped(*count)))
-                .text(" between neighbours are sorted by the difference of their displacements, so that similar pixels are merged before a jump is met."),
-            Some(Event::Merged(part, _)) => self.merged(part),
-            Some(Event::Grown(region)) => self.grown(seen, region),
-            Some(Event::Absorbed(Absorbed { merges, left, .. })) => said
-                .ink(Role::Rejected, words::counted(*merges, "merge"))
-                .text(format!(
-                    " of a region of less than {} of the picture with a neighbour; such regions lie along jumps that the flow smooths. ",
-                    percent(f64::from(self.min_area) / 100.0)
-                ))
-                .ink(Role::Result, words::counted(*left, "region"))
-                .text(" in all."),
-            Some(Event::Labelled(frame)) => said.text(format!(
-                "Frame {t} is segmented along its jumps: {} Regions are connected, so parts of one object on both sides of another are two segments.",
-                conclusion(seen.clip, t, frame)
-            )),
-        }
-    }
-
-    fn merged(&self, part: &Part) -> Sentence {
-        let said = Sentence::default()
-            .text(format!("Edges up to {} px/frame: ", difference(part.up_to)))
-            .ink(Role::Best, words::counted(part.merged, "merge"))
-            .text(", ")
-            .ink(Role::Rejected, format!("{} refused", words::grouped(part.refused)))
-            .text(", ")
-            .ink(Role::Result, words::counted(part.regions, "region"))
-            .text(". ");
-        match (&part.merge, &part.refusal) {
-            (_, Some(Comparison { weight, areas, limits })) => said.text(format!(
-                "The largest refusal: regions of {} and {} px differ by {} across their edge, above the smaller limit {}, so this is a jump.",
-                words::grouped(areas[0] as usize),
-                words::grouped(areas[1] as usize),
-                difference(*weight),
-                difference(limits[0].min(limits[1]))
-            )),
-            (Some(Comparison { weight, areas, limits }), None) => said.text(format!(
-                "The largest merge: regions of {} and {} px differ by {} across their edge, within the smaller limit {}.",
-                words::grouped(areas[0] as usize),
-                words::grouped(areas[1] as usize),
-                difference(*weight),
-                difference(limits[0].min(limits[1]))
-            )),
-            (None, None) => said.text("All of these edges lie within regions."),
-        }
-    }
-
-    fn grown(&self, seen: &Seen<SegmentationRun<Self>>, region: &Region) -> Sentence {
-        let at = data(seen).map_or((0, 0), |data| pixel_of(data, region.seed));
-        Sentence::default()
-            .text(format!("From pixel {} a region grows to ", words::pixel(at)))
-            .ink(Role::Result, format!("{} px", words::grouped(region.pixels.len())))
-            .text(" with the mean displacement ")
-            .ink(Role::Measured, words::place(region.mean.map(|c| c as f32)))
-            .text(format!(
-                " px/frame. It stops where neighbours differ from the mean by more than {} px/frame, in {}.",
-                px(self.tolerance.into()),
-                words::counted(region.refused, "comparison")
-            ))
-    }
-
-    fn readouts(&self, seen: &Seen<SegmentationRun<Self>>) -> Vec<Readout> {
-        let Some(event) = seen.events.last() else { return Vec::new() };
-        let mut facts = vec![Fact::new("Frame", seen.before.record.frame().to_string(), None)];
-        let mut readouts = Vec::new();
-        match event {
-            Event::Labelled(frame) => facts.extend(segment_facts(frame)),
-            Event::Merged(part, _) => {
-                facts.push(Fact::new("Merges", words::grouped(part.merged), Some(Role::Best)));
-                facts.push(Fact::new("Refusals", words::grouped(part.refused), Some(Role::Rejected)));
-                facts.push(Fact::new("Regions", words::grouped(part.regions), Some(Role::Result)));
-                let shown = part.refusal.as_ref().or(part.merge.as_ref());
-                readouts.extend(shown.map(|comparison| Readout::Equation(self.equation(comparison))));
-            }
-            Event::Grown(region) => {
-                facts.push(Fact::new(
-                    "Area",
-                    format!("{} px", words::grouped(region.pixels.len())),
-                    Some(Role::Result),
-                ));
-            }
-            Event::Absorbed(Absorbed { left, .. }) => {
-                facts.push(Fact::new("Regions", words::grouped(*left), Some(Role::Result)))
-            }
-            Event::Flow(_) | Event::Sorted(_) => {
-                let edges = data(seen).map_or(0, |data| data.edges.len());
-                facts.push(Fact::new("Edges", words::grouped(edges), None));
-            }
-        }
-        let point = data(seen).and_then(|data| {
+        let Some(event) = seen.events.last() else { return Step::at(line::EACH_FRAME).say(case::OPENING) };
+        let (step, data) = (self.told(seen, event), data(seen));
+        let point = data.and_then(|data| {
             let (x, y) = data.flow.0.cell_at(seen.point()?)?;
             Some(((x, y), data.flow.at(x, y)?))
         });
-        if let Some((pixel, uv)) = point {
-            facts.push(Fact::new("Pixel", words::pixel(pixel), Some(Role::Reference)));
-            facts.push(Fact::new("Displacement", format!("{} px/frame", words::place(uv)), Some(Role::Measured)));
-        }
-        readouts.insert(0, Readout::Facts(facts));
-        readouts.extend(data(seen).map(|data| displacements(seen, data, point.map(|(_, uv)| uv))));
-        readouts.extend(self.plot(seen));
-        readouts
+        let step = step.fact_if(shared::PIXEL, point.map(|(pixel, _)| pixel));
+        let step = step.fact_if(shared::DISPLACEMENT, point.map(|(_, uv)| uv));
+        step.show_all(data.map(|data| displacements(seen, data, point.map(|(_, uv)| uv)))).show_all(self.plot(seen))
     }
 
-    /// The comparison of two regions in numbers.
-    fn equation(&self, Comparison { weight, areas, limits }: &Comparison) -> Vec<Math> {
-        let is_merged = *weight <= limits[0].min(limits[1]);
-        let role = if is_merged { Role::Best } else { Role::Rejected };
-        let internal = |i: usize| difference(limits[i] - self.scale / areas[i] as f32);
-        let limit = |i: usize| {
-            format!("{} + {} / {}", internal(i), fixed(self.scale.into(), 1), words::grouped(areas[i] as usize))
+    fn told(&self, seen: &Seen<SegmentationRun<Self>>, event: &Event) -> Step {
+        let t = seen.before.record.frame();
+        let at = |line: Name| Step::at(line).fact(shared::FRAME, t);
+        let edges = data(seen).map_or(0, |data| data.edges.len());
+        match event {
+            Event::Flow(_) => {
+                let step = at(line::FIND_FLOW).fact(value::EDGES, edges).put(shared::METHOD, self.input.name());
+                step.put(shared::NEXT_FRAME, t + 1).say(shared_case::FLOW)
+            }
+            Event::Sorted(count) => at(line::SORT).fact(value::EDGES, *count).say(case::SORTED),
+            Event::Merged(part, _) => self.merged(at(line::MERGE), part),
+            Event::Grown(region) => {
+                let seed = data(seen).map_or((0, 0), |data| pixel_of(data, region.seed));
+                let step = at(line::GROW).fact(value::AREA, region.pixels.len()).put(value::SEED, seed);
+                let step = step.put(value::MEAN, region.mean).put(value::TOLERANCE, self.tolerance);
+                step.put(value::COMPARISONS, region.refused).say(case::GROWN)
+            }
+            Event::Absorbed(Absorbed { merges, left, .. }) => {
+                let step = at(line::ABSORB).fact(value::REGIONS, *left).put(value::ABSORBED, *merges);
+                step.put(value::MIN_AREA, self.min_area).say(case::ABSORBED)
+            }
+            Event::Labelled(frame) => {
+                concluded(at(line::LABEL).say(case::LABELLED), seen.clip, t, frame).say(case::CONNECTED)
+            }
+        }
+    }
+
+    /// Tells what a part of the edges comes to, with the largest refusal or else the largest merge in numbers.
+    fn merged(&self, step: Step, part: &Part) -> Step {
+        let step = step.fact(value::MERGES, part.merged).fact(value::REFUSALS, part.refused);
+        let step = step.fact(value::REGIONS, part.regions).put(value::UP_TO, part.up_to).say(case::MERGED);
+        let (Comparison { weight, areas, limits }, role, sign, said) = match (&part.refusal, &part.merge) {
+            (Some(refusal), _) => (refusal, Role::Rejected, ">", case::REFUSAL),
+            (None, Some(merge)) => (merge, Role::Best, r"\le", case::MERGE),
+            (None, None) => return step.say(case::WITHIN),
         };
-        vec![
-            Math::Row(vec![
-                Math::abs(Math::Row(vec![Math::text("Δ"), Math::Var("w")])),
-                Math::text(" = "),
-                Math::ink(role, difference(*weight)),
-                Math::text(if is_merged { " ≤ " } else { " > " }),
-                Math::text(format!("min({}, {})", limit(0), limit(1))),
-            ]),
-            Math::Row(vec![Math::text(format!("min({}, {})", difference(limits[0]), difference(limits[1])))]),
-        ]
+        let internal = |i: usize| limits[i] - self.scale / areas[i] as f32;
+        let step = step.put(value::AREA_A, areas[0]).put(value::AREA_B, areas[1]).put(value::SCALE, self.scale);
+        let step = step.put(value::INTERNAL_A, internal(0)).put(value::INTERNAL_B, internal(1));
+        let step = step.put(value::LIMIT_A, limits[0]).put(value::LIMIT_B, limits[1]);
+        let step = step.put_value(value::DIFFERENCE.is(*weight).inked(role));
+        let step = step.put(value::LIMIT, limits[0].min(limits[1])).say(said);
+        let terms = r"{internal_a} + {scale} \, / \, {area_a}, {internal_b} + {scale} \, / \, {area_b}";
+        step.formula(format!(r"|\Delta w| = {{difference}} {sign} \text{{min}}({terms})"))
+            .formula(r"\text{min}({limit_a}, {limit_b})")
     }
 
     fn plot(&self, seen: &Seen<SegmentationRun<Self>>) -> Option<Readout> {

@@ -2,35 +2,149 @@
 
 use std::sync::Arc;
 
-use super::{Data, Event, Features, LEAST_RISE, Method, MotionClustering, State, line};
-use crate::base::words;
-use crate::methods::numbers::{fixed, percent, ratio};
+use super::{Data, Event, Features, LEAST_RISE, Method, MotionClustering, State, has_converged, line};
 use crate::methods::segmentation::explain::{
-    conclusion, draw_flow, draw_labels, draw_segments, mean_name, plane, segment_facts,
+    case as shared_case, concluded, draw_flow, draw_labels, draw_segments, mean_name, plane, value as shared,
 };
 use crate::methods::segmentation::{
     Place, SegmentationRun, kmeans,
     kmeans::Trial,
     mixture::{Component, responsibilities},
-    seeds::Seed,
     shift::{self, LEAST_SHARE, Mode},
     squared_distance,
 };
 use crate::run::Seen;
-use crate::scene::{Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
+use crate::scene::{Case, Name, Number, Picture, Readout, Role, Scene, Series, Shape, Step, Unit, Value};
+use crate::{cases, variables};
+
+/// A log-likelihood per pixel.
+const LIKELIHOOD_UNIT: Unit = Unit::new("", 4);
+
+variables! { pub(super) mod value;
+    /// The number of pixels with a known displacement.
+    POINTS: "Points", "", Unit::count("pixel"), Role::Measured;
+    /// The number of clusters so far.
+    CLUSTERS: "Clusters", "k", Unit::count("");
+    /// The displacement that counts as much as a distance of 1 px in the picture.
+    POSITION_WEIGHT: "Weight of the position", "s", Unit::RATIO;
+    /// The mean silhouettes of 2, 3 and more clusters.
+    SILHOUETTES: "Mean silhouettes from k = 2 on", "", Unit::RATIO;
+    /// The number of clusters of largest mean silhouette.
+    CHOSEN: "Chosen", "k", Unit::count("cluster"), Role::Result;
+    /// The mean silhouette of the chosen number of clusters.
+    SILHOUETTE: "Silhouette", "", Unit::RATIO;
+    /// The number of a seed, mean, component or mode.
+    NUMBER: "Number", "j", Unit::WHOLE;
+    /// The pixel of a seed.
+    SEED_PIXEL: "Pixel of the seed", "", Unit::WHOLE;
+    /// The displacement of a seed.
+    SEED: "Seed", "", Unit::SPEED, Role::Candidate;
+    /// The squared distance of a seed to the nearest earlier one.
+    SEED_DISTANCE: "Squared distance", "d^2", Unit::RATIO;
+    /// The sum of the squared distances of all pixels to their nearest seeds.
+    SUM: "Sum", "", Unit::RATIO;
+    /// The number of distinct motions of the flow.
+    DISTINCT: "Distinct motions", "", Unit::count("distinct motion"), Role::Result;
+    /// The number of pixels of the sample.
+    SAMPLE: "Sample", "", Unit::count("pixel");
+    /// The number of pixels of the sample at which an ascent starts.
+    STARTS: "Starts", "", Unit::count("");
+    /// The number of the iteration.
+    ITERATION: "Iteration", "", Unit::WHOLE;
+    /// The number of pixels that change their cluster or their most likely component.
+    CHANGES: "Changes", "", Unit::count("pixel"), Role::Candidate;
+    /// The mean squared distance of the pixels to their means.
+    WITHIN: "Mean squared distance", "", Unit::RATIO, Role::Error;
+    /// A mean before its update.
+    MEAN_BEFORE: "Mean before", "", Unit::SPEED, Role::Predicted;
+    /// A mean after its update.
+    MEAN: "Mean", r"\mu", Unit::SPEED, Role::Result;
+    /// The number of pixels of a cluster.
+    SIZE: "Pixels", "", Unit::count("pixel");
+    /// The log-likelihood per pixel.
+    LIKELIHOOD: "Log-likelihood per pixel", "", LIKELIHOOD_UNIT, Role::Measured;
+    /// The log-likelihood per pixel after the iteration before.
+    LIKELIHOOD_BEFORE: "Before", "", LIKELIHOOD_UNIT;
+    /// The rise of the log-likelihood below which the iteration has converged.
+    TOLERANCE: "Tolerance", "", LIKELIHOOD_UNIT;
+    /// The weight of a component.
+    WEIGHT: "Weight", "w", Unit::RATIO, Role::Measured;
+    /// The standard deviations of a component along u and v.
+    DEVIATIONS: "Standard deviations", "", Unit::SPEED;
+    /// The number of pixels of the sample within the bandwidth.
+    SUPPORT: "Support", "", Unit::count("pixel");
+    /// The radius of the window.
+    BANDWIDTH: "Bandwidth", "", Unit::SPEED;
+    /// The window before its shift.
+    WINDOW_BEFORE: "Window before", "", Unit::SPEED;
+    /// The window after its shift.
+    WINDOW: "Window", "", Unit::SPEED, Role::Estimate;
+    /// The number of modes with enough support.
+    KEPT: "Kept", "", Unit::count(""), Role::Result;
+    /// The number of modes.
+    MODES: "Modes", "", Unit::count("mode");
+    /// The share of the sample that a mode needs within the bandwidth.
+    LEAST_SUPPORT: "Least support", "", Unit::PERCENT;
+    /// The squared distance of the inspected pixel to a mean.
+    DISTANCE: "Squared distance", "d^2", Unit::RATIO;
+    /// The responsibility of a component for the inspected pixel.
+    RESPONSIBILITY: "Responsibility", "r", Unit::RATIO;
+}
+
+cases! { pub(super) over value, shared;
+    OPENING: "Pixels that move together have similar displacements, so they form a cluster in the plane of displacements. The \
+              clustering separates such clusters without looking at the picture.",
+    NO_FLOW: "No pixel has a known flow, so there is nothing to segment.",
+    POINTS: "{points} are points: its displacement (u, v) in px/frame.",
+    POINTS_WITH_POSITION: "{points} are points: its position, weighted by {position_weight}, and its displacement, (s x, s y, u, \
+                           v).",
+    COMPARED: "The mean silhouette is largest with {chosen}: {silhouette}. A value near 1 means that pixels are much nearer to \
+               their own cluster than to the next one. More clusters lower the distances further, but beyond the elbow they only \
+               split a motion.",
+    NOT_COMPARED: "No second cluster can be compared, since no pixel moves differently or only one cluster is allowed: k = 1.",
+    FIRST_SEED: "Seed {number}: pixel {seed_pixel} with the displacement {seed}, drawn from all pixels with equal probability.",
+    SEED: "Seed {number}: pixel {seed_pixel} with the displacement {seed}. Its squared distance to the nearest earlier seed is \
+           {seed_distance}, of {sum} in all, which is its probability; distant pixels are likely, so the seeds spread over the \
+           motions.",
+    NO_SEEDS: "Without points there are no seeds, and so no clusters.",
+    EXHAUSTED: "All pixels lie on the seeds so far. The flow has only {distinct}, so k is lowered to that.",
+    SAMPLED: "Mean shift estimates the density of the displacements from a sample of {sample}. An ascent starts at {starts} of \
+              them.",
+    FIRST_ITERATION: "Iteration 1: each pixel goes to the nearest mean.",
+    ITERATION: "Iteration {iteration}: each pixel goes to the nearest mean.",
+    ASSIGNED: "{changes} change their cluster; the mean squared distance is {within}.",
+    UNCHANGED: "No change, so the means stay as well: converged to a local minimum.",
+    LIMIT: "The limit of iterations is reached.",
+    EMPTY: "Mean {number} has no pixels, so it stays where it is.",
+    AVERAGED: "Mean {number} moves from {mean_before:bare} to {mean}, the average of its {size}.",
+    FIRST_EXPECTED: "Responsibilities divide each pixel among the components. Log-likelihood per pixel: {likelihood}.",
+    EXPECTED: "Responsibilities divide each pixel among the components. Log-likelihood per pixel: {likelihood}, before \
+               {likelihood_before}; it never falls.",
+    RELABELLED: "{changes} change their most likely component.",
+    CONVERGED: "The rise is below {tolerance}: converged.",
+    MAXIMIZED: "Component {number} now has the weight {weight} and the mean displacement {mean}: averages over all pixels, \
+                weighted by responsibility, so that each pixel may count for several components.",
+    SHIFTED: "{support} of the sample lie within {bandwidth} of {window_before:bare}. The window moves to their mean \
+              {window:bare}, toward higher density.",
+    NEW_MODE: "The window stays at {mean:bare}: a new mode of the density, number {number}.",
+    KNOWN_MODE: "The window stays at {mean:bare}: within the bandwidth of mode {number}, so it is the same mode.",
+    KEPT: "{kept} of {modes} have at least {least_support} of the sample within the bandwidth. Each pixel goes to the nearest of \
+           them; smaller modes lie between motions, where the flow is smoothed.",
+    LABELLED: "Frame {frame} is segmented:",
+    BY_BANDWIDTH: "The number follows from the bandwidth of {bandwidth}: a smaller one separates more motions.",
+    SINGLE: "A single cluster was asked for, so no motions are separated.",
+    WITHOUT_PIXELS: "A cluster without pixels is no segment.",
+    BY_DISPLACEMENT: "Objects of one displacement share a segment wherever they are, and a rotating object falls into several.",
+    BY_POSITION: "The position keeps segments compact, and splits what is large in the picture.",
+}
 
 /// Numbers of clusters that are plotted after a run with a given number.
 const PLOTTED: usize = 8;
 
-/// A squared distance of points.
-fn squared(value: f64) -> String {
-    fixed(value, 3)
-}
-
-/// A pixel of a point as text.
-fn pixel_of(data: &Data, point: usize) -> String {
+/// The pixel of a point.
+fn pixel_of(data: &Data, point: usize) -> (usize, usize) {
     let (index, width) = (data.pixels[point] as usize, data.flow.0.width());
-    words::pixel((index % width, index / width))
+    (index % width, index / width)
 }
 
 /// Everything that the steps of a unit show.
@@ -96,9 +210,9 @@ impl<'a> View<'a> {
     }
 
     /// The displacement of a place.
-    fn displacement(&self, place: &Place) -> String {
+    fn displacement(&self, place: &Place) -> [f32; 2] {
         let first = self.by.first_displacement();
-        words::place([place[first], place[first + 1]])
+        [place[first], place[first + 1]]
     }
 
     /// The point of the pixel that is pointed at.
@@ -119,239 +233,133 @@ impl State {
 impl MotionClustering {
     pub(super) fn explained_step(&self, seen: &Seen<SegmentationRun<Self>>) -> Step {
         let view = View::new(self, seen);
-        let line = match seen.events.last() {
-            None => line::EACH_FRAME,
-            Some(Event::Flow(_)) => line::FIND_FLOW,
-            Some(Event::Compared(..)) => line::CHOOSE_NUMBER,
-            Some(Event::Seeded(..) | Event::Exhausted(_)) => line::PICK_SEED,
-            Some(Event::Sampled(_)) => line::SAMPLE,
-            Some(Event::Assigned(..)) => line::ASSIGN,
-            Some(Event::Averaged { .. }) => line::UPDATE_MEAN,
-            Some(Event::Expected(..)) => line::EXPECT,
-            Some(Event::Maximized(..)) => line::MAXIMIZE,
-            Some(Event::Shifted(..)) => line::SHIFT,
-            Some(Event::Found(..)) => line::MERGE,
-            Some(Event::Kept(_)) => line::KEEP_MODES,
-            Some(Event::Labelled(_)) => line::LABEL,
-        };
-        Step { line, sentence: self.sentence(&view), readouts: self.readouts(&view) }
+        let Some(event) = seen.events.last() else { return Step::at(line::EACH_FRAME).say(case::OPENING) };
+        let step = self.inspected(self.told(&view, event), &view);
+        step.show_all(self.plane(&view)).show_all(self.plots(&view))
     }
 
-    fn sentence(&self, view: &View) -> Sentence {
-        let said = Sentence::default();
-        match view.seen.events.last() {
-            None => said.text(
-                "Pixels that move together have similar displacements, so they form a cluster in the plane of displacements. The \
-                 clustering separates such clusters without looking at the picture.",
-            ),
-            Some(Event::Flow(data)) => self.flow_sentence(view, data),
-            Some(Event::Compared(trials, count)) => compared(trials, *count),
-            Some(Event::Seeded(index, seed)) => seeded(view, *index, seed),
-            Some(Event::Exhausted(0)) => said.text("Without points there are no seeds, and so no clusters."),
-            Some(Event::Exhausted(count)) => said
-                .text("All pixels lie on the seeds so far. The flow has only ")
-                .ink(Role::Result, words::counted(*count, "distinct motion"))
-                .text(", so k is lowered to that."),
-            Some(Event::Sampled(density)) => said.text(format!(
-                "Mean shift estimates the density of the displacements from a sample of {} pixels. An ascent starts at {} of them.",
-                words::grouped(density.len()),
-                density.starts.len()
-            )),
-            Some(Event::Assigned(_, changed, within)) => self.assigned(view, *changed, *within),
-            Some(Event::Averaged { index, from, to, count }) => averaged(view, *index, [from, to], *count),
-            Some(Event::Expected(_, changed, likelihood)) => self.expected(view, *changed, *likelihood),
-            Some(Event::Maximized(index, component)) => said
-                .text(format!("Component {} now has the weight ", index + 1))
-                .ink(Role::Measured, ratio(component.weight))
-                .text(" and the mean displacement ")
-                .ink(Role::Result, view.displacement(&component.mean))
-                .text(" px/frame: averages over all pixels, weighted by responsibility, so that each pixel may count for several components."),
-            Some(Event::Shifted(from, mode)) => said
-                .text(format!(
-                    "{} of the sample lie within {} px/frame of {}. The window moves to their mean ",
-                    words::counted(mode.support, "pixel"),
-                    fixed(self.bandwidth.into(), 2),
-                    view.displacement(from)
-                ))
-                .ink(Role::Estimate, view.displacement(&mode.place))
-                .text(", toward higher density."),
-            Some(Event::Found(mode, index, is_new)) => said
-                .text("The window stays at ")
-                .ink(Role::Result, view.displacement(&mode.place))
-                .text(match is_new {
-                    true => format!(": a new mode of the density, number {}.", index + 1),
-                    false => format!(": within the bandwidth of mode {}, so it is the same mode.", index + 1),
-                }),
-            Some(Event::Kept(places)) => said
-                .ink(Role::Result, format!("{} of {}", places.len(), words::counted(view.modes.len(), "mode")))
-                .text(format!(
-                    " have at least {} of the sample within the bandwidth. Each pixel goes to the nearest of them; smaller modes lie \
-                     between motions, where the flow is smoothed.",
-                    percent(LEAST_SHARE)
-                )),
-            Some(Event::Labelled(frame)) => {
-                let t = view.seen.before.record.frame();
-                let hint = self.hint(view, frame.segments.len());
-                said.text(format!("Frame {t} is segmented: {}{hint}", conclusion(view.seen.clip, t, frame)))
-            }
-        }
-    }
-
-    fn flow_sentence(&self, view: &View, data: &Data) -> Sentence {
+    fn told(&self, view: &View, event: &Event) -> Step {
         let t = view.seen.before.record.frame();
-        let said =
-            Sentence::default().text(format!("{} gives the flow from frame {t} to {}. ", self.input.name(), t + 1));
-        let coordinates = match self.features {
-            Features::Displacement => "its displacement (u, v) in px/frame".to_owned(),
-            Features::PositionAndDisplacement => format!(
-                "its position, weighted by {}, and its displacement, (s x, s y, u, v)",
-                fixed(self.position_weight.into(), 3)
-            ),
+        let at = |line: Name| {
+            let step = Step::at(line).fact(shared::FRAME, t);
+            step.fact(value::POINTS, view.data.map_or(0, |data| data.points.len()))
+                .fact(value::CLUSTERS, view.centers().len())
         };
-        match data.points.len() {
-            0 => said.text("No pixel has a known flow, so there is nothing to segment."),
-            count => said
-                .ink(Role::Measured, format!("{} pixels", words::grouped(count)))
-                .text(format!(" are points: {coordinates}.")),
-        }
-    }
-
-    fn assigned(&self, view: &View, changed: usize, within: f64) -> Sentence {
-        let round = view.seen.before.progress.len() + 1;
-        let said = Sentence::default()
-            .text(format!("Iteration {round}: each pixel goes to the nearest mean. "))
-            .ink(Role::Candidate, format!("{} pixels", words::grouped(changed)))
-            .text(" change their cluster; the mean squared distance is ")
-            .ink(Role::Error, squared(within))
-            .text(".");
-        match changed {
-            0 => said.text(" No change, so the means stay as well: converged to a local minimum."),
-            _ if round == self.iterations => said.text(" The limit of iterations is reached."),
-            _ => said,
-        }
-    }
-
-    fn expected(&self, view: &View, changed: usize, likelihood: f64) -> Sentence {
-        let before = view.seen.before.progress.last();
-        let said = Sentence::default()
-            .text("Responsibilities divide each pixel among the components. Log-likelihood per pixel: ")
-            .ink(Role::Measured, fixed(likelihood, 4))
-            .text(match before {
-                Some(before) => format!(", before {}; it never falls. ", fixed(*before, 4)),
-                None => ". ".to_owned(),
-            })
-            .text(format!("{} pixels change their most likely component.", words::grouped(changed)));
-        match before {
-            Some(before) if likelihood - before < LEAST_RISE => {
-                said.text(format!(" The rise is below {}: converged.", fixed(LEAST_RISE, 4)))
+        let numbered = |line: Name, index: usize| at(line).put(value::NUMBER, index + 1);
+        match event {
+            Event::Flow(data) => {
+                let step = at(line::FIND_FLOW).put(shared::METHOD, self.input.name()).put(shared::NEXT_FRAME, t + 1);
+                let step = step.put(value::POSITION_WEIGHT, self.position_weight).say(shared_case::FLOW);
+                step.say(match self.features {
+                    _ if data.points.is_empty() => case::NO_FLOW,
+                    Features::Displacement => case::POINTS,
+                    Features::PositionAndDisplacement => case::POINTS_WITH_POSITION,
+                })
             }
-            _ => said,
+            Event::Compared(trials, count) => {
+                let all: Number = trials.iter().map(|trial| trial.silhouette.unwrap_or(f64::NAN)).collect();
+                let step = at(line::CHOOSE_NUMBER).fact(value::SILHOUETTES, all).put(value::CHOSEN, *count);
+                match trials.iter().find(|trial| trial.clusters == *count).and_then(|trial| trial.silhouette) {
+                    Some(silhouette) => step.put(value::SILHOUETTE, silhouette).say(case::COMPARED),
+                    None => step.say(case::NOT_COMPARED),
+                }
+            }
+            Event::Seeded(index, seed) => {
+                let pixel = view.data.map_or((0, 0), |data| pixel_of(data, seed.point));
+                let step = numbered(line::PICK_SEED, *index).put(value::SEED_PIXEL, pixel);
+                let step = step.put(value::SEED, view.displacement(&seed.place)).put(value::SUM, seed.sum);
+                let step = step.put(value::SEED_DISTANCE, seed.squared_distance);
+                step.say(if *index == 0 { case::FIRST_SEED } else { case::SEED })
+            }
+            Event::Exhausted(0) => at(line::PICK_SEED).say(case::NO_SEEDS),
+            Event::Exhausted(count) => at(line::PICK_SEED).put(value::DISTINCT, *count).say(case::EXHAUSTED),
+            Event::Sampled(density) => {
+                let step = at(line::SAMPLE).put(value::SAMPLE, density.len());
+                step.put(value::STARTS, density.starts.len()).say(case::SAMPLED)
+            }
+            Event::Assigned(_, changed, within) => self.assigned(at(line::ASSIGN), view, (*changed, *within)),
+            Event::Averaged { index, count: 0, .. } => numbered(line::UPDATE_MEAN, *index).say(case::EMPTY),
+            Event::Averaged { index, from, to, count } => {
+                let step = numbered(line::UPDATE_MEAN, *index).put(value::MEAN_BEFORE, view.displacement(from));
+                step.put(value::MEAN, view.displacement(to)).put(value::SIZE, *count).say(case::AVERAGED)
+            }
+            Event::Expected(_, changed, likelihood) => expected(at(line::EXPECT), view, (*changed, *likelihood)),
+            Event::Maximized(index, component) => {
+                let first = self.first_displacement();
+                let deviations = [first, first + 1].map(|i| component.covariance[i][i].sqrt());
+                let step = numbered(line::MAXIMIZE, *index).fact(value::WEIGHT, component.weight);
+                let step = step.fact(value::DEVIATIONS, deviations);
+                step.put(value::MEAN, view.displacement(&component.mean)).say(case::MAXIMIZED)
+            }
+            Event::Shifted(from, mode) => {
+                let step = at(line::SHIFT).put(value::SUPPORT, mode.support).put(value::BANDWIDTH, self.bandwidth);
+                let step = step.put(value::WINDOW_BEFORE, view.displacement(from));
+                step.put(value::WINDOW, view.displacement(&mode.place)).say(case::SHIFTED)
+            }
+            Event::Found(mode, index, is_new) => {
+                let step = numbered(line::MERGE, *index).put(value::MEAN, view.displacement(&mode.place));
+                step.say(if *is_new { case::NEW_MODE } else { case::KNOWN_MODE })
+            }
+            Event::Kept(places) => {
+                let step = at(line::KEEP_MODES).put(value::KEPT, places.len()).put(value::MODES, view.modes.len());
+                step.put(value::LEAST_SUPPORT, 100.0 * LEAST_SHARE).say(case::KEPT)
+            }
+            Event::Labelled(frame) => {
+                let step = Step::at(line::LABEL).fact(shared::FRAME, t).put(value::BANDWIDTH, self.bandwidth);
+                let step = concluded(step.say(case::LABELLED), view.seen.clip, t, frame);
+                match frame.segments.len() {
+                    0 => step,
+                    segments => step.say(self.hint(view, segments)),
+                }
+            }
+        }
+    }
+
+    fn assigned(&self, step: Step, view: &View, (changed, within): (usize, f64)) -> Step {
+        let round = view.seen.before.progress.len() + 1;
+        let step = step.fact(value::CHANGES, changed).fact(value::WITHIN, within).put(value::ITERATION, round);
+        let step = step.say(if round == 1 { case::FIRST_ITERATION } else { case::ITERATION }).say(case::ASSIGNED);
+        match changed {
+            0 => step.say(case::UNCHANGED),
+            _ => step.say_if(round == self.iterations, case::LIMIT),
         }
     }
 
     /// What the number of segments suggests for the next run.
-    fn hint(&self, view: &View, segments: usize) -> String {
-        if segments == 0 {
-            return String::new();
-        }
+    fn hint(&self, view: &View, segments: usize) -> &'static Case {
         match self.method {
-            Method::MeanShift => format!(
-                " The number follows from the bandwidth of {} px/frame: a smaller one separates more motions.",
-                fixed(self.bandwidth.into(), 2)
-            ),
-            _ if self.clusters == 1 => " A single cluster was asked for, so no motions are separated.".into(),
-            _ if segments < view.means.len() => " A cluster without pixels is no segment.".into(),
-            _ => match self.features {
-                Features::Displacement => {
-                    " Objects of one displacement share a segment wherever they are, and a rotating object falls into several.".into()
-                }
-                Features::PositionAndDisplacement => {
-                    " The position keeps segments compact, and splits what is large in the picture.".into()
-                }
-            },
+            Method::MeanShift => case::BY_BANDWIDTH,
+            _ if self.clusters == 1 => case::SINGLE,
+            _ if segments < view.means.len() => case::WITHOUT_PIXELS,
+            _ if self.features == Features::Displacement => case::BY_DISPLACEMENT,
+            _ => case::BY_POSITION,
         }
     }
 
-    fn readouts(&self, view: &View) -> Vec<Readout> {
-        let seen = view.seen;
-        let Some(event) = seen.events.last() else { return Vec::new() };
-        let mut facts = vec![Fact::new("Frame", seen.before.record.frame().to_string(), None)];
-        facts.extend(match event {
-            Event::Labelled(frame) => segment_facts(frame),
-            _ => self.facts(view, event),
-        });
-        let mut readouts = Vec::new();
-        if let Some((point, data)) = view.point() {
-            let place = data.points.at(point);
-            facts.push(Fact::new("Pixel", pixel_of(data, point), Some(Role::Reference)));
-            facts.push(Fact::new(
-                "Displacement",
-                format!("{} px/frame", view.displacement(&place)),
-                Some(Role::Measured),
-            ));
-            readouts.extend(self.equation(view, &place, data.points.dimensions()).map(Readout::Equation));
-        }
-        readouts.insert(0, Readout::Facts(facts));
-        readouts.extend(self.plane(view));
-        readouts.extend(self.plots(view));
-        readouts
-    }
-
-    fn facts(&self, view: &View, event: &Event) -> Vec<Fact> {
-        let points = view.data.map_or(0, |data| data.points.len());
-        let mut facts = vec![Fact::new("Points", words::grouped(points), None)];
-        match event {
-            Event::Compared(trials, _) => {
-                facts.extend(trials.iter().filter_map(|trial| {
-                    let text = format!("{} with {} clusters", ratio(trial.silhouette?), trial.clusters);
-                    Some(Fact::new("Mean silhouette", text, None))
-                }));
-            }
-            Event::Assigned(_, changed, within) => {
-                facts.push(Fact::new("Changes", words::grouped(*changed), Some(Role::Candidate)));
-                facts.push(Fact::new("Mean squared distance", squared(*within), Some(Role::Error)));
-            }
-            Event::Expected(_, changed, likelihood) => {
-                facts.push(Fact::new("Changes", words::grouped(*changed), Some(Role::Candidate)));
-                facts.push(Fact::new("Log-likelihood per pixel", fixed(*likelihood, 4), Some(Role::Measured)));
-            }
-            Event::Maximized(_, component) => {
-                let first = self.first_displacement();
-                let deviation = |i: usize| fixed(component.covariance[i][i].sqrt(), 2);
-                let text = format!("({}, {}) px/frame", deviation(first), deviation(first + 1));
-                facts.push(Fact::new("Weight", ratio(component.weight), Some(Role::Measured)));
-                facts.push(Fact::new("Standard deviations", text, None));
-            }
-            _ => {}
-        }
-        let centers = view.centers();
-        facts.push(Fact::new("Clusters", centers.len().to_string(), None));
-        facts
-    }
-
-    /// How the pixel pointed at is assigned.
-    fn equation(&self, view: &View, place: &Place, dimensions: usize) -> Option<Vec<Math>> {
+    /// Adds how the pixel pointed at is assigned.
+    fn inspected(&self, step: Step, view: &View) -> Step {
         /// Clusters with a line of their own.
         const LINES: usize = 6;
-        let centers = view.centers();
-        if centers.is_empty() {
-            return None;
-        }
-        let row = |index: usize, name: &'static str, value: String, is_best: bool| {
+        let Some((point, data)) = view.point() else { return step };
+        let (place, centers) = (data.points.at(point), view.centers());
+        let step = step.fact(shared::PIXEL, pixel_of(data, point));
+        let step = step.fact(shared::DISPLACEMENT, view.displacement(&place));
+        let row = |step: Step, (i, value): (usize, Value), is_best: bool, formula: &str| {
             let role = if is_best { Role::Best } else { Role::Candidate };
-            let symbol = Math::indexed(Math::Var(name), Math::text((index + 1).to_string()));
-            Math::Row(vec![symbol, Math::text(" = "), Math::ink(role, value)])
+            step.put_value(value.inked(role)).formula(formula.replace('j', &format!("{{{}}}", i + 1)))
         };
         if self.method == Method::GaussianMixture && !view.components.is_empty() {
-            let all = responsibilities(&view.components, place, dimensions);
+            let all = responsibilities(&view.components, &place, data.points.dimensions());
             let most = all.iter().map(|(share, _)| *share).fold(0.0, f64::max);
-            let rows = all.iter().enumerate().take(LINES);
-            return Some(rows.map(|(i, (share, _))| row(i, "r", ratio(*share), *share == most)).collect());
+            return all.iter().enumerate().take(LINES).fold(step, |step, (i, (share, _))| {
+                row(step, (i, value::RESPONSIBILITY.is(*share)), *share == most, "r_j = {responsibility}")
+            });
         }
-        let all: Vec<f32> = centers.iter().map(|center| squared_distance(center, place)).collect();
+        let all: Vec<f32> = centers.iter().map(|center| squared_distance(center, &place)).collect();
         let least = all.iter().copied().fold(f32::INFINITY, f32::min);
-        let rows = all.iter().enumerate().take(LINES);
-        Some(rows.map(|(i, d)| row(i, "d²", squared((*d).into()), *d == least)).collect())
+        all.iter().enumerate().take(LINES).fold(step, |step, (i, squared)| {
+            row(step, (i, value::DISTANCE.is(*squared)), *squared == least, "d_j^2 = {distance}")
+        })
     }
 
     fn plane(&self, view: &View) -> Option<Readout> {
@@ -458,48 +466,14 @@ impl MotionClustering {
     }
 }
 
-fn compared(trials: &[Trial], count: usize) -> Sentence {
-    let said = Sentence::default();
-    match trials.iter().find(|trial| trial.clusters == count).and_then(|trial| trial.silhouette) {
-        Some(silhouette) => said
-            .text("The mean silhouette is largest with ")
-            .ink(Role::Result, format!("{count} clusters"))
-            .text(format!(
-                ": {}. A value near 1 means that pixels are much nearer to their own cluster than to the next one. More clusters lower the \
-                 distances further, but beyond the elbow they only split a motion.",
-                ratio(silhouette)
-            )),
-        None => said.text("No second cluster can be compared, since no pixel moves differently or only one cluster is allowed: k = 1."),
-    }
-}
-
-fn seeded(view: &View, index: usize, seed: &Seed) -> Sentence {
-    let pixel = view.data.map_or_else(String::new, |data| pixel_of(data, seed.point));
-    let said = Sentence::default()
-        .text(format!("Seed {}: pixel {pixel} with the displacement ", index + 1))
-        .ink(Role::Candidate, view.displacement(&seed.place))
-        .text(" px/frame");
-    if index == 0 {
-        return said.text(", drawn from all pixels with equal probability.");
-    }
-    said.text(format!(
-        ". Its squared distance to the nearest earlier seed is {}, of {} in all, which is its probability; distant pixels are \
-         likely, so the seeds spread over the motions.",
-        squared(seed.squared_distance.into()),
-        squared(seed.sum)
-    ))
-}
-
-fn averaged(view: &View, index: usize, [from, to]: [&Place; 2], count: usize) -> Sentence {
-    let said = Sentence::default().text(format!("Mean {}", index + 1));
-    if count == 0 {
-        return said.text(" has no pixels, so it stays where it is.");
-    }
-    said.text(" moves from ")
-        .ink(Role::Predicted, view.displacement(from))
-        .text(" to ")
-        .ink(Role::Result, view.displacement(to))
-        .text(format!(" px/frame, the average of its {} pixels.", words::grouped(count)))
+fn expected(step: Step, view: &View, (changed, likelihood): (usize, f64)) -> Step {
+    let before = view.seen.before.progress.last();
+    let step = step.fact(value::CHANGES, changed).fact(value::LIKELIHOOD, likelihood).put(value::TOLERANCE, LEAST_RISE);
+    let step = match before {
+        Some(before) => step.put(value::LIKELIHOOD_BEFORE, *before).say(case::EXPECTED),
+        None => step.say(case::FIRST_EXPECTED),
+    };
+    step.say(case::RELABELLED).say_if(has_converged(before, likelihood), case::CONVERGED)
 }
 
 /// The plots of mean squared distance and silhouette over the number of clusters.

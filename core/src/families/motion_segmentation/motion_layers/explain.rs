@@ -3,16 +3,102 @@
 use std::sync::Arc;
 
 use super::{Block, Event, Layer, MotionLayers, Note, hypotheses, line};
-use crate::base::words;
 use crate::data::Flow;
 use crate::geometry::Grid;
-use crate::methods::numbers::{fixed, percent, px};
 use crate::methods::segmentation::affine::Frame;
-use crate::methods::segmentation::explain::{conclusion, draw_flow, draw_labels, draw_segments, plane, segment_facts};
+use crate::methods::segmentation::explain::{
+    case as shared_case, concluded, draw_flow, draw_labels, draw_segments, plane, value as shared,
+};
 use crate::methods::segmentation::{Place, Points, SegmentationRun};
 use crate::products::AffineMotion;
 use crate::run::Seen;
-use crate::scene::{Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
+use crate::scene::{Name, Picture, Readout, Role, Scene, Series, Shape, Step, Unit, ValueStyle};
+use crate::{cases, variables};
+
+/// A slope of an affine motion.
+const SLOPE: Unit = Unit::new("", 4);
+
+variables! { pub(super) mod value;
+    /// The number of blocks so far.
+    BLOCKS: "Blocks", "", Unit::count("");
+    /// The number of blocks whose affine motion is a hypothesis.
+    HYPOTHESES: "Hypotheses", "", Unit::count("affine motion"), Role::Measured;
+    /// The number of layers.
+    LAYERS: "Layers", "", Unit::count("");
+    /// The share of the pixels without a layer.
+    UNEXPLAINED: "Unexplained", "", Unit::PERCENT, Role::Error;
+    /// The first pixel of the block.
+    BLOCK: "Block", "", Unit::WHOLE;
+    /// The motion of the block in its middle.
+    MOTION: "Motion", "", Unit::SPEED, Role::Measured;
+    /// The root mean squared residual of an affine motion.
+    RESIDUAL: "Residual", "", Unit::SPEED, Role::Error;
+    /// The distance of the flow of the inspected pixel from the motion of a layer.
+    PIXEL_RESIDUAL: "", "", Unit::SPEED;
+    /// The residual of the layer with its motion before.
+    RESIDUAL_BEFORE: "Residual before", "", Unit::SPEED;
+    /// The largest residual of a hypothesis.
+    MAX_RESIDUAL: "Largest residual", "", Unit::SPEED;
+    /// The number of clusters of affine motions.
+    CLUSTERS: "Clusters", "", Unit::count("cluster"), Role::Result;
+    /// The number of the layer.
+    LAYER: "Layer", "", Unit::WHOLE;
+    /// The number of the layer that is merged with it.
+    OTHER: "Layer merged", "", Unit::WHOLE;
+    /// The difference of the motions of two layers over their pixels.
+    DIFFERENCE: "Difference", "", Unit::SPEED, Role::Measured;
+    /// The difference below which layers are merged.
+    MERGE_BELOW: "Merge below", "", Unit::SPEED;
+    /// The area of a layer that is removed.
+    AREA: "Area", "", Unit::new("px", 0), Role::Rejected;
+    /// The smallest share of the picture that a layer covers.
+    MIN_AREA: "Smallest area", "", Unit::PERCENT;
+    /// The number of pixels that change their layer.
+    CHANGES: "Changes", "", Unit::count("pixel"), Role::Candidate;
+    /// The number of pixels without a layer.
+    LEFT: "Without a layer", "", Unit::count("pixel"), Role::Error;
+    /// The largest residual with which a pixel belongs to a layer.
+    TOLERANCE: "Tolerance", "", Unit::SPEED;
+    /// The number of connected pixels that become a layer.
+    SPLIT: "Split off", "", Unit::count("connected pixel"), Role::Result;
+    /// The number of pixels of the layer.
+    PIXELS: "Pixels", "", Unit::count("pixel");
+    /// The affine motion of the layer along x.
+    U: "u", "u", Unit::SPEED, Role::Result;
+    /// The affine motion of the layer along y.
+    V: "v", "v", Unit::SPEED, Role::Result;
+    /// A component of an affine motion at the origin.
+    OFFSET: "", "", Unit::SPEED, Role::Result;
+    /// The slope of the motion along x.
+    SLOPE_X: "", "", SLOPE, Role::Result;
+    /// The slope of the motion along y.
+    SLOPE_Y: "", "", SLOPE, Role::Result;
+    /// The number of iterations.
+    ITERATIONS: "Iterations", "", Unit::count("iteration");
+}
+
+cases! { pub(super) over value, shared;
+    OPENING: "A rigid surface that moves in front of the camera has, to a good approximation, an affine flow: six parameters for \
+              all its pixels. Layers are such affine motions, each with the pixels that it explains.",
+    HYPOTHESES: "Affine motions of its blocks are the first hypotheses.",
+    FITTED: "Block at {block}: affine motion by least squares, {motion} in its middle, with a residual of {residual}.",
+    HYPOTHESIS: "At most {max_residual:bare}: a hypothesis.",
+    ACROSS: "Above {max_residual:bare}: the block lies across a motion boundary, where no single affine motion fits, so it is \
+             {rejected|rejected}.",
+    CLUSTERED: "The {hypotheses} of blocks form {clusters} in the space of their parameters. These are scaled so that the \
+                squared distance of two motions is their mean squared difference over the picture.",
+    MERGED: "Layers {layer} and {other} differ by {difference} over their pixels, below {merge_below:bare}: one motion explains \
+             both, so they are merged.",
+    REMOVED: "Layer {layer} has only {area}, less than {min_area} of the picture. So small a support does not determine an \
+              affine motion, and the layer is removed.",
+    ASSIGNED: "Each pixel goes to the layer of the smallest residual: {changes} change their layer, and {left} have a residual \
+               above {tolerance} in all layers.",
+    SPLIT: "{split} that no layer explains are split off as layer {layer}: a motion that the blocks or the clusters have missed.",
+    EMPTY: "Layer {layer} has no pixels, so its motion stays as it is.",
+    REFITTED: "Layer {layer}, fitted to its {pixels}: u = {u:bare}, v = {v:bare} px/frame. Residual {residual}, before \
+               {residual_before:bare}.",
+    LABELLED: "The layers of frame {frame} no longer change after {iterations}.",
+}
 
 /// Layers with an equation of their own.
 const LISTED: usize = 6;
@@ -93,159 +179,71 @@ impl<'a> View<'a> {
     }
 }
 
-/// An affine motion as two equations: slopes to four decimals.
-fn written([a, b, c, d, e, f]: AffineMotion) -> [String; 2] {
-    let term = |value: f64, name: &str| {
-        let sign = if value < 0.0 { "−" } else { "+" };
-        format!(" {sign} {} {name}", fixed(value.abs(), 4))
-    };
-    [(a, b, c), (d, e, f)].map(|(a, b, c)| format!("{}{}{}", px(a), term(b, "x"), term(c, "y")))
-}
-
 impl MotionLayers {
     pub(super) fn explained_step(&self, seen: &Seen<SegmentationRun<Self>>) -> Step {
         let view = View::new(seen);
-        let line = match seen.events.last() {
-            None => line::EACH_FRAME,
-            Some(Event::Flow(_)) => line::FIND_FLOW,
-            Some(Event::Fitted(_)) => line::FIT_BLOCK,
-            Some(Event::Clustered(_)) => line::CLUSTER,
-            Some(Event::Merged { .. }) => line::MERGE,
-            Some(Event::Removed { .. }) => line::REMOVE,
-            Some(Event::Assigned { .. }) => line::ASSIGN,
-            Some(Event::Split { .. }) => line::SPLIT,
-            Some(Event::Refitted { .. }) => line::REFIT,
-            Some(Event::Labelled(_)) => line::LABEL,
+        let Some(event) = seen.events.last() else { return Step::at(line::EACH_FRAME).say(case::OPENING) };
+        let step = self.told(&view, event);
+        let step = match view.point() {
+            Some((pixel, uv)) => residuals(step, &view, pixel, uv),
+            None => motions(step, &view),
         };
-        Step { line, sentence: self.sentence(&view), readouts: self.readouts(&view) }
+        step.show_all(displacements(&view)).show_all(plots(&view))
     }
 
-    fn sentence(&self, view: &View) -> Sentence {
-        let said = Sentence::default();
+    fn told(&self, view: &View, event: &Event) -> Step {
         let t = view.seen.before.record.frame();
-        match view.seen.events.last() {
-            None => said.text(
-                "A rigid surface that moves in front of the camera has, to a good approximation, an affine flow: six parameters for all its pixels. \
-                 Layers are such affine motions, each with the pixels that it explains.",
-            ),
-            Some(Event::Flow(_)) => said.text(format!(
-                "{} gives the flow from frame {t} to {}. Affine motions of its blocks are the first hypotheses.",
-                self.input.name(),
-                t + 1
-            )),
-            Some(Event::Fitted(block)) => self.fitted(view, block),
-            Some(Event::Clustered(found)) => said
-                .text(format!(
-                    "The {} of blocks form ",
-                    words::counted(hypotheses(&view.seen.before.blocks).len(), "affine motion")
-                ))
-                .ink(Role::Result, words::counted(found.means.len(), "cluster"))
-                .text(
-                    " in the space of their parameters. These are scaled so that the squared distance of two motions is their mean \
-                     squared difference over the picture.",
-                ),
-            Some(Event::Merged { kept, gone, difference }) => said
-                .text(format!("Layers {} and {} differ by ", kept + 1, gone + 1))
-                .ink(Role::Measured, px(*difference))
-                .text(format!(
-                    " px/frame over their pixels, below {}: one motion explains both, so they are merged.",
-                    px(self.merge_below.into())
-                )),
-            Some(Event::Removed { index, area }) => said.text(format!("Layer {} has only ", index + 1)).ink(
-                Role::Rejected,
-                format!("{} px", words::grouped(*area)),
-            ).text(format!(
-                ", less than {} of the picture. So small a support does not determine an affine motion, and the layer is removed.",
-                percent(f64::from(self.min_area) / 100.0)
-            )),
-            Some(Event::Assigned { changed, unexplained, .. }) => said
-                .text("Each pixel goes to the layer of the smallest residual: ")
-                .ink(Role::Candidate, format!("{} pixels", words::grouped(*changed)))
-                .text(" change their layer, and ")
-                .ink(Role::Error, format!("{} pixels", words::grouped(*unexplained)))
-                .text(format!(" have a residual above {} px/frame in all layers.", px(self.tolerance.into()))),
-            Some(Event::Split { index, layer, .. }) => said
-                .ink(Role::Result, format!("{} connected pixels", words::grouped(layer.moments.count)))
-                .text(format!(
-                    " that no layer explains are split off as layer {}: a motion that the blocks or the clusters have missed.",
-                    index + 1
-                )),
-            Some(Event::Refitted { index, from, layer }) => self.refitted(view, *index, (from, layer)),
-            Some(Event::Labelled(frame)) => {
-                let rounds = view.notes.len().saturating_sub(1);
-                let count = words::counted(rounds, "iteration");
-                said.text(format!("The layers of frame {t} no longer change after {count}. {}", conclusion(view.seen.clip, t, frame)))
+        let at = |line: Name| Step::at(line).fact(shared::FRAME, t);
+        let blocks = |line: Name| {
+            let blocks = view.blocks();
+            let kept = blocks.iter().filter(|block| block.is_kept).count();
+            at(line).fact(value::BLOCKS, blocks.len()).fact(value::HYPOTHESES, kept)
+        };
+        let layers = |line: Name| {
+            let step = at(line).fact(value::LAYERS, view.layers.len());
+            step.fact_if(value::UNEXPLAINED, view.notes.last().map(|note| 100.0 * note.unexplained))
+        };
+        let layer = |line: Name, index: usize| layers(line).put(value::LAYER, index + 1);
+        match event {
+            Event::Flow(_) => {
+                let step = blocks(line::FIND_FLOW).put(shared::METHOD, self.input.name());
+                step.put(shared::NEXT_FRAME, t + 1).say(shared_case::FLOW).say(case::HYPOTHESES)
+            }
+            Event::Fitted(block) => self.fitted(blocks(line::FIT_BLOCK), view, block),
+            Event::Clustered(found) => {
+                let step = layers(line::CLUSTER).put(value::CLUSTERS, found.means.len());
+                step.put(value::HYPOTHESES, hypotheses(&view.seen.before.blocks).len()).say(case::CLUSTERED)
+            }
+            Event::Merged { kept, gone, difference } => {
+                let step = layer(line::MERGE, *kept).put(value::OTHER, gone + 1).put(value::DIFFERENCE, *difference);
+                step.put(value::MERGE_BELOW, self.merge_below).say(case::MERGED)
+            }
+            Event::Removed { index, area } => {
+                let step = layer(line::REMOVE, *index).put(value::AREA, *area);
+                step.put(value::MIN_AREA, self.min_area).say(case::REMOVED)
+            }
+            Event::Assigned { changed, unexplained, .. } => {
+                let step = layers(line::ASSIGN).put(value::CHANGES, *changed).put(value::LEFT, *unexplained);
+                step.put(value::TOLERANCE, self.tolerance).say(case::ASSIGNED)
+            }
+            Event::Split { index, layer: of, .. } => {
+                layer(line::SPLIT, *index).put(value::SPLIT, of.moments.count).say(case::SPLIT)
+            }
+            Event::Refitted { index, from, layer: of } => refitted(layer(line::REFIT, *index), view, (from, of)),
+            Event::Labelled(frame) => {
+                let step = at(line::LABEL).put(value::ITERATIONS, view.notes.len().saturating_sub(1));
+                concluded(step.say(case::LABELLED), view.seen.clip, t, frame)
             }
         }
     }
 
-    fn fitted(&self, view: &View, block: &Block) -> Sentence {
+    fn fitted(&self, step: Step, view: &View, block: &Block) -> Step {
         let (x, y) = block.at;
         let center = (x + block.size.0 / 2, y + block.size.1 / 2);
-        let [u, v] = view.frame().displacement(&block.motion, center).map(|c| c as f32);
-        let said = Sentence::default()
-            .text(format!("Block at {}: affine motion by least squares, ", words::pixel((x, y))))
-            .ink(Role::Measured, words::place([u, v]))
-            .text(" px/frame in its middle, with a residual of ")
-            .ink(Role::Error, px(block.residual))
-            .text(" px/frame. ");
-        match block.is_kept {
-            true => said.text(format!("At most {}: a hypothesis.", px(self.max_residual.into()))),
-            false => said
-                .text(format!(
-                    "Above {}: the block lies across a motion boundary, where no single affine motion fits, so it is ",
-                    px(self.max_residual.into())
-                ))
-                .ink(Role::Rejected, "rejected")
-                .text("."),
-        }
-    }
-
-    fn refitted(&self, view: &View, index: usize, (from, layer): (&Place, &Layer)) -> Sentence {
-        let said = Sentence::default().text(format!("Layer {}", index + 1));
-        if layer.moments.count == 0 {
-            return said.text(" has no pixels, so its motion stays as it is.");
-        }
-        let [u, v] = written(view.frame().in_pixels(&layer.motion));
-        said.text(format!(", fitted to its {} pixels: ", words::grouped(layer.moments.count)))
-            .ink(Role::Result, format!("u = {u}, v = {v}"))
-            .text(" px/frame. Residual ")
-            .ink(Role::Error, px(layer.moments.residual(&layer.motion)))
-            .text(format!(", before {}.", px(layer.moments.residual(from))))
-    }
-
-    fn readouts(&self, view: &View) -> Vec<Readout> {
-        let seen = view.seen;
-        let Some(event) = seen.events.last() else { return Vec::new() };
-        let mut facts = vec![Fact::new("Frame", seen.before.record.frame().to_string(), None)];
-        match event {
-            Event::Labelled(frame) => facts.extend(segment_facts(frame)),
-            Event::Flow(_) | Event::Fitted(_) => {
-                let blocks = view.blocks();
-                let kept = blocks.iter().filter(|block| block.is_kept).count();
-                facts.push(Fact::new("Blocks", blocks.len().to_string(), None));
-                facts.push(Fact::new("Hypotheses", kept.to_string(), Some(Role::Measured)));
-            }
-            _ => {
-                facts.push(Fact::new("Layers", view.layers.len().to_string(), None));
-                if let Some(note) = view.notes.last() {
-                    facts.push(Fact::new("Unexplained", percent(note.unexplained), Some(Role::Error)));
-                }
-            }
-        }
-        let mut readouts = Vec::new();
-        match view.point() {
-            Some((pixel, uv)) => {
-                facts.push(Fact::new("Pixel", words::pixel(pixel), Some(Role::Reference)));
-                facts.push(Fact::new("Displacement", format!("{} px/frame", words::place(uv)), Some(Role::Measured)));
-                readouts.extend(residuals(view, pixel, uv).map(Readout::Equation));
-            }
-            None => readouts.extend(motions(view).map(Readout::Equation)),
-        }
-        readouts.insert(0, Readout::Facts(facts));
-        readouts.extend(displacements(view));
-        readouts.extend(plots(view));
-        readouts
+        let step = step.put(value::BLOCK, block.at).put(value::RESIDUAL, block.residual);
+        let step = step.put(value::MOTION, view.frame().displacement(&block.motion, center));
+        let step = step.put(value::MAX_RESIDUAL, self.max_residual).say(case::FITTED);
+        step.say(if block.is_kept { case::HYPOTHESIS } else { case::ACROSS })
     }
 
     pub(super) fn drawn_step(&self, seen: &Seen<SegmentationRun<Self>>, scene: &mut Scene) {
@@ -278,43 +276,52 @@ fn draw_blocks(scene: &mut Scene, blocks: &[Block], now: Option<&Block>) {
     }
 }
 
-/// The affine motion of the layer that is fitted, or else those of the first layers.
-fn motions(view: &View) -> Option<Vec<Math>> {
-    if view.layers.is_empty() {
-        return None;
+fn refitted(step: Step, view: &View, (from, layer): (&Place, &Layer)) -> Step {
+    if layer.moments.count == 0 {
+        return step.say(case::EMPTY);
     }
+    let [a, b, c, d, e, f] = view.frame().in_pixels(&layer.motion);
+    let written = |offset: f64, slopes: [f64; 2]| {
+        let slope = |i: usize| ValueStyle::Signed.text(&value::SLOPE_X.is(slopes[i]));
+        format!("{}{} x{} y", value::OFFSET.is(offset).bare(), slope(0), slope(1))
+    };
+    let step = step.put(value::PIXELS, layer.moments.count).put(value::U, written(a, [b, c]));
+    let step = step.put(value::V, written(d, [e, f])).put(value::RESIDUAL, layer.moments.residual(&layer.motion));
+    step.put(value::RESIDUAL_BEFORE, layer.moments.residual(from)).say(case::REFITTED)
+}
+
+/// Adds the affine motion of the layer that is fitted, or else those of the first layers.
+fn motions(step: Step, view: &View) -> Step {
     let fitted = match view.seen.events.last() {
         Some(Event::Refitted { index, .. }) => Some(*index),
         _ => None,
     };
     let is_listed = |(index, _): &(usize, &Layer)| fitted.is_none_or(|fitted| fitted == *index);
-    let row = |(index, layer): (usize, &Layer)| {
-        let [u, v] = written(view.frame().in_pixels(&layer.motion));
-        let name = |name| Math::indexed(Math::Var(name), Math::text((index + 1).to_string()));
-        [
-            Math::Row(vec![name("u"), Math::text(" = "), Math::ink(Role::Result, u)]),
-            Math::Row(vec![name("v"), Math::text(" = "), Math::ink(Role::Result, v)]),
-        ]
+    let row = |step: Step, name: String, [offset, x, y]: [f64; 3]| {
+        let step = step.put(value::OFFSET, offset).put(value::SLOPE_X, x).put(value::SLOPE_Y, y);
+        step.formula(name + r" = {offset} {slope_x:signed} \, x {slope_y:signed} \, y")
     };
-    Some(view.layers.iter().enumerate().filter(is_listed).take(LISTED).flat_map(row).collect())
+    view.layers.iter().enumerate().filter(is_listed).take(LISTED).fold(step, |step, (index, layer)| {
+        let [a, b, c, d, e, f]: AffineMotion = view.frame().in_pixels(&layer.motion);
+        let step = row(step, format!("u_{{{}}}", index + 1), [a, b, c]);
+        row(step, format!("v_{{{}}}", index + 1), [d, e, f])
+    })
 }
 
-/// The residuals of all layers at a pixel.
-fn residuals(view: &View, pixel: (usize, usize), uv: [f32; 2]) -> Option<Vec<Math>> {
+/// Adds the displacement of a pixel and its residuals in all layers.
+fn residuals(step: Step, view: &View, pixel: (usize, usize), uv: [f32; 2]) -> Step {
     let residual = |layer: &Layer| {
         let [u, v] = view.frame().displacement(&layer.motion, pixel);
         (f64::from(uv[0]) - u).hypot(f64::from(uv[1]) - v)
     };
     let all: Vec<f64> = view.layers.iter().map(residual).collect();
     let least = all.iter().copied().fold(f64::INFINITY, f64::min);
-    let row = |(index, value): (usize, &f64)| {
-        let role = if *value == least { Role::Best } else { Role::Candidate };
-        let motion = Math::indexed(Math::Var("A"), Math::text((index + 1).to_string()));
-        let off = Math::abs(Math::Row(vec![Math::Var("w"), Math::text(" − "), motion, Math::Var("x")]));
-        Math::Row(vec![off, Math::text(" = "), Math::ink(role, format!("{} px/frame", px(*value)))])
-    };
-    let rows: Vec<Math> = all.iter().enumerate().take(LISTED).map(row).collect();
-    (!rows.is_empty()).then_some(rows)
+    let step = step.fact(shared::PIXEL, pixel).fact(shared::DISPLACEMENT, uv);
+    all.iter().enumerate().take(LISTED).fold(step, |step, (index, residual)| {
+        let role = if *residual == least { Role::Best } else { Role::Candidate };
+        let step = step.put_value(value::PIXEL_RESIDUAL.is(*residual).inked(role));
+        step.formula(format!("|w - A_{{{}}} x| = {{pixel_residual:unit}}", index + 1))
+    })
 }
 
 /// The displacements of the pixels in the colours of their layers.

@@ -1,15 +1,65 @@
 //! What trajectory clustering tells and draws.
 
-use std::sync::Arc;
+use std::collections::BTreeSet;
 
 use super::{Choice, Compared, EIGENVALUES, Event, TrajectoryClustering, line};
-use crate::base::words::{counted, fixed, grouped};
-use crate::methods::numbers::ratio;
-use crate::methods::segmentation::explain::{conclusion, draw_segments, segment_facts};
+use crate::methods::segmentation::explain::{concluded, draw_segments, value as shared};
 use crate::methods::segmentation::spectral::Spectrum;
-use crate::products::{SegmentFrame, Track};
+use crate::products::Track;
 use crate::run::Seen;
-use crate::scene::{Canvas, Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
+use crate::scene::{Canvas, Number, Picture, Readout, Role, Scene, Series, Shape, Step, Unit};
+use crate::{cases, variables};
+
+variables! { pub(super) mod value;
+    /// The number of trajectories of at least three frames.
+    TRAJECTORIES: "Trajectories", "", Unit::count("trajectory"), Role::Reference;
+    /// The number of trajectories that are compared with each other.
+    COMPARED: "Compared", "", Unit::count("");
+    /// The number of the trajectory that is compared with all others.
+    TRAJECTORY: "Trajectory", "A", Unit::count(""), Role::Reference;
+    /// The number of the trajectory pointed at.
+    OTHER: "Trajectory pointed at", "B", Unit::count("");
+    /// The number of alike trajectories.
+    ALIKE: "Alike", "", Unit::count(""), Role::Best;
+    /// The affinity from which trajectories are alike.
+    LEAST_AFFINITY: "Least affinity", "", Unit::new("", 1), Role::Best;
+    /// The affinity to the trajectory pointed at.
+    AFFINITY: "Affinity to the trajectory pointed at", "w(A, B)", Unit::RATIO, Role::Best;
+    /// The number of the iteration.
+    ITERATION: "Iteration", "", Unit::WHOLE;
+    /// The largest eigenvalues.
+    EIGENVALUES: "Eigenvalues", r"\lambda", Unit::RATIO, Role::Estimate;
+    /// The largest change of an eigenvalue in the iteration.
+    CHANGE: "Largest change of an eigenvalue", "", Unit::RESPONSE;
+    /// The number of eigenvectors that are coordinates.
+    EIGENVECTORS: "Eigenvectors", "", Unit::count("");
+}
+
+cases! { pub(super) over value, shared;
+    OPENING: "Two frames hold little information about slow or resting objects. Trajectories over many frames are alike only if \
+              they move alike in all of them, so a single frame of different motion separates two objects.",
+    TRACKED: "{method} makes {trajectories} of at least 3 frames",
+    SHORT_CLIP: ", as the clip has fewer. Choose a longer clip.",
+    NOTHING: ", so there is nothing to compare. Choose another method, or a clip with more texture.",
+    PART: ", of which {compared} are compared: the affinities of all pairs are a matrix with as many rows and columns.",
+    ALL: ". The affinities of all pairs are a matrix with as many rows and columns.",
+    COMPARED: "{reference|Trajectory} {trajectory} is compared with all others by the largest difference of their motions in any \
+               frame, weighted by their distance. {alike} {best|of them with an affinity of at least} {least_affinity} may \
+               belong to the same object.",
+    ITERATED: "Iteration {iteration} of the subspace: eigenvalues {eigenvalues} …. Multiplying by N makes the entries of alike \
+               trajectories equal.",
+    CONVERGED: "Iteration {iteration} of the subspace: eigenvalues {eigenvalues} …. They have converged. Each eigenvalue near 1 \
+                stands for a group that hardly any affinity joins to the others.",
+    NO_TRAJECTORIES: "Without trajectories there are no segments.",
+    FOUND: "Each trajectory has its entries in the first {eigenvectors} eigenvectors as coordinates. In them k-means finds \
+            {segments}",
+    FOUND_FEWER: "Each trajectory has its entries in the first {eigenvectors} eigenvectors as coordinates. In them k-means finds \
+                  {segments:bare} of {eigenvectors} segments, as there are no more distinct motions",
+    AS_POSSIBLE: ", as there are no more eigenvalues near 1: groups with weak affinities between them lie apart.",
+    AS_SET: ", as set: groups with weak affinities between them lie apart.",
+    BY_GAP: ", as the eigenvalues fall most after it: groups with weak affinities between them lie apart.",
+    LABELLED: "Each pixel takes the segment of its nearest trajectory.",
+}
 
 /// Affinity from which two trajectories are drawn as alike.
 const ALIKE: f32 = 0.5;
@@ -17,87 +67,48 @@ const ALIKE: f32 = 0.5;
 impl TrajectoryClustering {
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
         match seen.events.last() {
-            None => Step {
-                line: line::TRACK,
-                sentence: Sentence::default().text(
-                    "Two frames hold little information about slow or resting objects. Trajectories over many frames are alike only if they move alike in all \
-                     of them, so a single frame of different motion separates two objects.",
-                ),
-                readouts: Vec::new(),
-            },
+            None => Step::at(line::TRACK).say(case::OPENING),
             Some(Event::Tracked(compared)) => self.told_tracks(seen, compared),
-            Some(Event::Compared(index, weights)) => self.told_affinity(seen, *index as usize, weights),
-            Some(Event::Iterated(spectrum)) => told_spectrum(spectrum),
+            Some(Event::Compared(index, weights)) => told_affinity(seen, *index as usize, weights),
+            Some(Event::Iterated(spectrum)) => {
+                let largest: Number = spectrum.values.iter().take(4).copied().collect();
+                let step = Step::at(line::ITERATE).fact(value::ITERATION, spectrum.iterations);
+                let step = step.fact(value::CHANGE, spectrum.change).put(value::EIGENVALUES, largest);
+                step.say(if spectrum.is_over() { case::CONVERGED } else { case::ITERATED }).show(eigenvalues(spectrum))
+            }
             Some(Event::Clustered(labels, count)) => self.told_clusters(seen, labels, *count),
-            Some(Event::Labelled(frame)) => told_labels(seen, frame),
+            Some(Event::Labelled(frame)) => {
+                let step = Step::at(line::LABEL).say(case::LABELLED);
+                concluded(step, seen.clip, seen.before.record.frame(), frame)
+            }
         }
     }
 
     fn told_tracks(&self, seen: &Seen<Self>, compared: &Compared) -> Step {
-        let name = self.tracks.estimator().info().name;
-        let sentence = Sentence::default()
-            .text(format!("{name} makes "))
-            .ink(Role::Reference, counted(compared.all().count(), "trajectory"))
-            .text(match compared.tracks.len() {
-                0 if seen.clip.info().frames.is_some_and(|frames| frames < 3) => {
-                    " of at least 3 frames, as the clip has fewer. Choose a longer clip.".to_owned()
-                }
-                0 => " of at least 3 frames, so there is nothing to compare. Choose another method, or a clip with more texture.".to_owned(),
-                kept if !compared.others.is_empty() => format!(
-                    " of at least 3 frames, of which {} are compared: the affinities of all pairs are a matrix with as many rows and columns.",
-                    grouped(kept)
-                ),
-                _ => " of at least 3 frames. The affinities of all pairs are a matrix with as many rows and columns.".to_owned(),
-            });
-        let facts = vec![Fact::new("Trajectories", grouped(compared.all().count()), Some(Role::Reference))];
-        Step { line: line::TRACK, sentence, readouts: vec![Readout::Facts(facts)] }
-    }
-
-    fn told_affinity(&self, seen: &Seen<Self>, index: usize, weights: &[f32]) -> Step {
-        let alike = weights.iter().filter(|w| **w >= ALIKE).count().saturating_sub(1);
-        let sentence = Sentence::default()
-            .ink(Role::Reference, format!("Trajectory {}", grouped(index + 1)))
-            .text(" is compared with all others by the largest difference of their motions in any frame, weighted by their distance. ")
-            .ink(Role::Best, format!("{} of them with an affinity of at least {}", grouped(alike), fixed(ALIKE.into(), 1)))
-            .text(" may belong to the same object.");
-        let mut facts = vec![Fact::new("Trajectory", grouped(index + 1), Some(Role::Reference))];
-        let compared = seen.before.compared.as_ref();
-        let other = compared.zip(seen.point()).and_then(|(compared, point)| nearest(compared, point));
-        let mut lines = vec![formula()];
-        if let (Some(other), Some(weight)) = (other, other.and_then(|other| weights.get(other))) {
-            facts.push(Fact::new("Affinity to the trajectory pointed at", ratio((*weight).into()), Some(Role::Best)));
-            lines.push(Math::Row(vec![
-                Math::text(format!("w({}, {}) = ", index + 1, other + 1)),
-                Math::ink(Role::Best, ratio((*weight).into())),
-            ]));
-        }
-        Step {
-            line: line::COMPARE,
-            sentence,
-            readouts: vec![Readout::Facts(facts), Readout::Equation(lines), sorted(weights)],
-        }
+        let step = Step::at(line::TRACK).fact(value::TRAJECTORIES, compared.all().count());
+        let step = step.put(shared::METHOD, self.tracks.estimator().info().name);
+        let step = step.put(value::COMPARED, compared.tracks.len()).say(case::TRACKED);
+        step.say(match compared.tracks.len() {
+            0 if seen.clip.info().frames.is_some_and(|frames| frames < 3) => case::SHORT_CLIP,
+            0 => case::NOTHING,
+            _ if !compared.others.is_empty() => case::PART,
+            _ => case::ALL,
+        })
     }
 
     fn told_clusters(&self, seen: &Seen<Self>, labels: &[u32], count: usize) -> Step {
-        let spectrum = seen.before.spectrum.as_ref();
-        let sentence = match (labels.is_empty(), self.selection) {
-            (true, _) => Sentence::default().text("Without trajectories there are no segments."),
-            (false, choice) => {
-                let why = match choice {
-                    Choice::Given if count < self.clusters => "as there are no more eigenvalues near 1",
-                    Choice::Given => "as set",
-                    Choice::Gap => "as the eigenvalues fall most after it",
-                };
-                Sentence::default()
-                    .text(format!("Each trajectory has its entries in the first {count} eigenvectors as coordinates. In them k-means finds "))
-                    .ink(Role::Result, found_of(labels, count))
-                    .text(format!(", {why}: groups with weak affinities between them lie apart."))
-            }
-        };
-        let facts = vec![Fact::new("Trajectories", grouped(labels.len()), None)];
-        let plot = spectrum.map(|spectrum| eigenvalues(spectrum));
-        let readouts = [Readout::Facts(facts)].into_iter().chain(plot).collect();
-        Step { line: line::CLUSTER, sentence, readouts }
+        let step = Step::at(line::CLUSTER).fact(value::TRAJECTORIES, labels.len());
+        let step = step.show_all(seen.before.spectrum.as_ref().map(|spectrum| eigenvalues(spectrum)));
+        if labels.is_empty() {
+            return step.say(case::NO_TRAJECTORIES);
+        }
+        let found = labels.iter().collect::<BTreeSet<_>>().len();
+        let step = step.put(value::EIGENVECTORS, count).put(shared::SEGMENTS, found);
+        step.say(if found < count { case::FOUND_FEWER } else { case::FOUND }).say(match self.selection {
+            Choice::Given if count < self.clusters => case::AS_POSSIBLE,
+            Choice::Given => case::AS_SET,
+            Choice::Gap => case::BY_GAP,
+        })
     }
 
     pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
@@ -123,48 +134,23 @@ impl TrajectoryClustering {
     }
 }
 
-/// The number of segments that were found, and of those asked for where there are not as many distinct trajectories.
-fn found_of(labels: &[u32], count: usize) -> String {
-    let mut distinct = labels.to_vec();
-    distinct.sort_unstable();
-    distinct.dedup();
-    match distinct.len() {
-        found if found < count => format!("{found} of {count} segments, as there are no more distinct motions"),
-        found => counted(found, "segment"),
-    }
-}
-
-fn formula() -> Math {
-    Math::Row(vec![
-        Math::text("w(A, B) = exp(−λ d²),   d² = max over t of "),
-        Math::indexed(Math::Var("d"), Math::text("sp")),
-        Math::text("(A, B) · |ΔA − ΔB|² / (5 σ²)"),
-    ])
-}
-
-fn told_spectrum(spectrum: &Spectrum) -> Step {
-    let values: Vec<_> = spectrum.values.iter().take(4).map(|value| ratio(*value)).collect();
-    let sentence = Sentence::default()
-        .text(format!("Iteration {} of the subspace: eigenvalues ", spectrum.iterations))
-        .ink(Role::Estimate, values.join(", "))
-        .text(" …. ")
-        .text(match spectrum.is_over() {
-            false => "Multiplying by N makes the entries of alike trajectories equal.",
-            true => "They have converged. Each eigenvalue near 1 stands for a group that hardly any affinity joins to the others.",
-        });
-    let facts = vec![
-        Fact::new("Iteration", spectrum.iterations.to_string(), None),
-        Fact::new("Largest change of an eigenvalue", crate::base::words::with_power(spectrum.change), None),
-    ];
-    Step { line: line::ITERATE, sentence, readouts: vec![Readout::Facts(facts), eigenvalues(spectrum)] }
-}
-
-fn told_labels(seen: &Seen<TrajectoryClustering>, frame: &Arc<SegmentFrame>) -> Step {
-    let t = seen.before.record.frame();
-    let sentence = Sentence::default()
-        .text("Each pixel takes the segment of its nearest trajectory. ")
-        .text(conclusion(seen.clip, t, frame));
-    Step { line: line::LABEL, sentence, readouts: vec![Readout::Facts(segment_facts(frame))] }
+fn told_affinity(seen: &Seen<TrajectoryClustering>, index: usize, weights: &[f32]) -> Step {
+    let alike = weights.iter().filter(|w| **w >= ALIKE).count().saturating_sub(1);
+    let step = Step::at(line::COMPARE).fact(value::TRAJECTORY, index + 1).put(value::ALIKE, alike);
+    let step = step.put(value::LEAST_AFFINITY, ALIKE).say(case::COMPARED).formula(
+        r"w(A, B) = \exp(-\lambda d^2), \quad
+          d^2 = \text{max over } t \text{ of } d_{\text{sp}}(A, B) \cdot |\Delta A - \Delta B|^2 \, / \, (5 \, \sigma^2)",
+    );
+    let compared = seen.before.compared.as_ref();
+    let other = compared.zip(seen.point()).and_then(|(compared, point)| nearest(compared, point));
+    let step = match other.and_then(|other| Some((other, *weights.get(other)?))) {
+        Some((other, affinity)) => {
+            let step = step.fact(value::AFFINITY, affinity).put(value::OTHER, other + 1);
+            step.formula("w({trajectory}, {other}) = {affinity}")
+        }
+        None => step,
+    };
+    step.show(sorted(weights))
 }
 
 /// The affinities in descending order.

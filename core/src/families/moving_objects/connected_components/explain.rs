@@ -1,44 +1,109 @@
-//! The steps of the labelling in words, numbers and marks.
+//! The steps of the labelling in values, words and marks.
 
 use std::sync::Arc;
 
 use super::{ConnectedComponents, Event, MaskedFrame, State, forest, line};
-use crate::base::words;
 use crate::data::{LabelEvent, Run};
 use crate::geometry::Grid;
-use crate::methods::subtraction::{self, MaskHistory, plots};
+use crate::methods::subtraction::{self, MaskHistory, plots, put_blobs};
 use crate::run::Seen;
-use crate::scene::{Arrow, Fact, Picture, Readout, Role, Scene, Sentence, Shape, Step};
+use crate::scene::{Arrow, Number, Picture, Readout, Role, Scene, Shape, Step, Unit};
 
 /// The maximum number of labels listed with their parents.
 const LISTED: usize = 24;
 
-/// A run of pixels as text.
-fn name(run: Run) -> String {
-    match run.end - run.start {
-        1 => format!("pixel {} of row {}", run.start, run.y),
-        _ => format!("pixels {} to {} of row {}", run.start, run.end - 1, run.y),
-    }
+crate::variables! {
+    /// The runs of foreground pixels labelled so far.
+    RUNS: "Runs", "", Unit::count("run");
+    /// The provisional labels so far.
+    LABELS: "Labels", "", Unit::count("provisional label");
+    /// The labels that are no child of another.
+    ROOTS: "Roots", "", Unit::count("root"), Role::Result;
+    /// The label of the pixel that is pointed at.
+    LABEL_THERE: "Label", "", Unit::WHOLE, Role::Reference;
+    /// The root of that label.
+    ROOT_THERE: "Root", "", Unit::WHOLE, Role::Reference;
+    /// The parent of each label.
+    FOREST: "Label → parent", "", Unit::WHOLE;
+    /// The current row.
+    ROW: "", "", Unit::WHOLE;
+    /// The foreground pixels of the current row.
+    ROW_PIXELS: "", "", Unit::count("foreground pixel");
+    /// The first of the rows above that have no foreground.
+    FIRST_EMPTY_ROW: "", "", Unit::WHOLE;
+    /// The last of the rows above that have no foreground.
+    LAST_EMPTY_ROW: "", "", Unit::WHOLE;
+    /// The first pixel of the current run.
+    START: "", "", Unit::WHOLE, Role::Candidate;
+    /// The last pixel of the current run.
+    END: "", "", Unit::WHOLE, Role::Candidate;
+    /// The first pixel of the touching run above.
+    START_ABOVE: "", "", Unit::WHOLE, Role::Reference;
+    /// The last pixel of the touching run above.
+    END_ABOVE: "", "", Unit::WHOLE, Role::Reference;
+    /// The row above.
+    ROW_ABOVE: "", "", Unit::WHOLE, Role::Reference;
+    /// The label of the current run.
+    LABEL: "", "", Unit::WHOLE, Role::Best;
+    /// The label of the run above.
+    LABEL_ABOVE: "", "", Unit::WHOLE, Role::Best;
+    /// The root of a union.
+    ROOT: "", "", Unit::WHOLE, Role::Measured;
+    /// The root that becomes a child.
+    CHILD: "", "", Unit::WHOLE, Role::Measured;
 }
 
-/// A verb in the number of its run: pixels touch, a pixel touches.
-fn verb(run: &Run, many: &'static str, one: &'static str) -> &'static str {
-    if run.end - run.start == 1 { one } else { many }
+crate::cases! { over value;
+    OPENING: "Each run of foreground pixels takes the label of a run that it touches in the row above. Where two labels meet, \
+              union–find makes them equivalent.",
+    ROW_PASSED: "Row {first_empty_row} has no foreground pixels.",
+    ROWS_PASSED: "Rows {first_empty_row} to {last_empty_row} have no foreground pixels.",
+    EMPTY_ROW: "Row {row} has no foreground pixels.",
+    ROW: "Row {row} has {row_pixels}.",
+    RUN: "{candidate|Pixels} {start} {candidate|to} {end} {candidate|of row} {row} touch",
+    PIXEL: "{candidate|Pixel} {start} {candidate|of row} {row} touches",
+    RUN_ABOVE: "{reference|pixels} {start_above} {reference|to} {end_above} {reference|of row} {row_above}",
+    PIXEL_ABOVE: "{reference|pixel} {start_above} {reference|of row} {row_above}",
+    NEW_LABEL: "no run of the row above, so a new label starts: {best|label} {label}.",
+    TAKE: "and take {best|label} {label}",
+    TAKES: "and takes {best|label} {label}",
+    ROOT_OF: ", the root of label {label_above}.",
+    SAME_ROOT: "too. Both have the same root, so no union is needed.",
+    UNION: "too, which have another root. Union: {measured|label} {child} {measured|becomes a child of label} {root}.",
+    NUMBERED: "{labels} with {roots}. Each root is a connected component, numbered in raster order of its first pixel.",
 }
 
-/// A label as text, counted from 1 like components.
-fn label(label: u32) -> String {
-    format!("label {}", label + 1)
-}
-
-/// The rows without foreground directly above the current one: moves pass them.
-fn passed(state: &State) -> String {
+/// Tells the rows without foreground directly above the current one: moves pass them.
+fn passed(step: Step, state: &State) -> Step {
     let first = state.labelling.runs().last().map_or(0, |run| run.y as usize + 1);
+    let last = state.row.saturating_sub(1);
+    let step = step.put(value::ROW, state.row).put(value::FIRST_EMPTY_ROW, first).put(value::LAST_EMPTY_ROW, last);
     match state.row.saturating_sub(first) {
-        0 => String::new(),
-        1 => format!("Row {first} has no foreground pixels. "),
-        _ => format!("Rows {first} to {} have no foreground pixels. ", state.row - 1),
+        0 => step,
+        1 => step.say(case::ROW_PASSED),
+        _ => step.say(case::ROWS_PASSED),
     }
+}
+
+/// Whether a run is a single pixel.
+fn is_one(run: &Run) -> bool {
+    run.end - run.start == 1
+}
+
+/// Tells that the current run touches.
+fn touches(step: Step, run: &Run) -> Step {
+    let step = step
+        .put(value::START, run.start)
+        .put(value::END, run.end - 1)
+        .put_value(value::ROW.is(run.y).inked(Role::Candidate));
+    step.put(value::LABEL, run.label + 1).say(if is_one(run) { case::PIXEL } else { case::RUN })
+}
+
+/// Tells that the current run touches a run of the row above.
+fn touches_above(step: Step, run: &Run, above: &Run) -> Step {
+    let step = touches(step, run).put(value::START_ABOVE, above.start).put(value::END_ABOVE, above.end - 1);
+    let step = step.put(value::ROW_ABOVE, above.y).put(value::LABEL_ABOVE, above.label + 1);
+    step.say(if is_one(above) { case::PIXEL_ABOVE } else { case::RUN_ABOVE })
 }
 
 /// The labelling up to the cursor.
@@ -87,6 +152,27 @@ impl Labels {
         self.parents.iter().enumerate().filter(|(label, parent)| *label == **parent as usize).count()
     }
 
+    /// Puts the labelling, and the label and the root of the pixel that is pointed at.
+    fn put(&self, step: Step, seen: &Seen<ConnectedComponents>) -> Step {
+        let step = step.fact(subtraction::value::FRAME, seen.before.frame).fact(value::RUNS, self.runs.len());
+        let step = step.fact(value::LABELS, self.parents.len()).fact(value::ROOTS, self.roots());
+        let (width, height) = seen.before.picture;
+        let point = seen.point().map(|point| point.map(|c| (c + 0.5).floor()));
+        let inside = point.filter(|[x, y]| (0.0..width as f32).contains(x) && (0.0..height as f32).contains(y));
+        let step = match inside.map(|point| point.map(|c| c as u32)) {
+            None => step,
+            Some([x, y]) => {
+                let run = self.runs.iter().find(|run| run.y == y && (run.start..run.end).contains(&x));
+                let label = run.map_or(Number::from("none"), |run| (run.label + 1).into());
+                let root = run.map(|run| self.root(run.label) + 1);
+                step.fact(subtraction::value::PIXEL, [x, y])
+                    .fact(value::LABEL_THERE, label)
+                    .fact_if(value::ROOT_THERE, root)
+            }
+        };
+        step.fact(value::FOREST, self.forest())
+    }
+
     /// The parent of each label; of many labels, the last ones.
     fn forest(&self) -> String {
         let skipped = self.parents.len().saturating_sub(LISTED);
@@ -105,111 +191,38 @@ impl Labels {
 
 impl ConnectedComponents {
     pub(super) fn explained_step(&self, seen: &Seen<Self>) -> Step {
-        let line = match seen.events.last() {
-            None | Some(Event::Row(..)) => line::EACH_ROW,
-            Some(Event::Run(LabelEvent::Made(_))) => line::NEW_LABEL,
-            Some(Event::Run(LabelEvent::Took(..))) => line::TAKE_ROOT,
-            Some(Event::Run(LabelEvent::Met(..))) => line::EACH_OTHER_RUN,
-            Some(Event::Run(LabelEvent::Merged(..))) => line::MERGE_ROOTS,
-            Some(Event::Final(..)) => line::LABEL_BY_ROOT,
-            Some(Event::Kept(..)) => line::KEEP_BLOBS,
-        };
-        Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
-    }
-
-    fn sentence(&self, seen: &Seen<Self>) -> Sentence {
-        let (state, said) = (seen.before, Sentence::default());
-        match seen.events.last() {
-            None => said.text(
-                "Each run of foreground pixels takes the label of a run that it touches in the row above. Where two labels meet, \
-                 union–find makes them equivalent.",
-            ),
-            Some(Event::Row(_, count)) => said.text(match count {
-                0 => format!("Row {} has no foreground pixels.", state.row),
-                1 => format!("{}Row {} has 1 foreground pixel.", passed(state), state.row),
-                _ => format!("{}Row {} has {count} foreground pixels.", passed(state), state.row),
-            }),
-            Some(Event::Run(LabelEvent::Made(run))) => said
-                .ink(Role::Candidate, words::capital(&name(*run)))
-                .text(format!(" {} no run of the row above, so a new label starts: ", verb(run, "touch", "touches")))
-                .ink(Role::Best, label(run.label))
-                .text("."),
-            Some(Event::Run(LabelEvent::Took(run, above))) => said
-                .ink(Role::Candidate, words::capital(&name(*run)))
-                .text(format!(" {} ", verb(run, "touch", "touches")))
-                .ink(Role::Reference, name(*above))
-                .text(format!(" and {} ", verb(run, "take", "takes")))
-                .ink(Role::Best, label(run.label))
-                .text(match run.label == above.label {
-                    true => ".".into(),
-                    false => format!(", the root of {}.", label(above.label)),
-                }),
-            Some(Event::Run(LabelEvent::Met(run, other))) => said
-                .ink(Role::Candidate, words::capital(&name(*run)))
-                .text(format!(" {} ", verb(run, "touch", "touches")))
-                .ink(Role::Reference, name(*other))
-                .text(" too. Both have the same root, so no union is needed."),
-            Some(Event::Run(LabelEvent::Merged(run, other, [root, child]))) => said
-                .ink(Role::Candidate, words::capital(&name(*run)))
-                .text(format!(" {} ", verb(run, "touch", "touches")))
-                .ink(Role::Reference, name(*other))
-                .text(" too, which have another root. Union: ")
-                .ink(Role::Measured, format!("{} becomes a child of {}", label(*child), label(*root)))
-                .text("."),
-            Some(Event::Final(_, _, count)) => said
-                .text(format!("{}{} with ", passed(state), words::counted(state.labelling.parents().len(), "provisional label")))
-                .ink(Role::Result, words::counted(*count as usize, "root"))
-                .text(". Each root is a connected component, numbered in raster order of its first pixel."),
-            Some(Event::Kept(_, blobs)) => {
-                let events = [subtraction::Event::Kept(Arc::clone(blobs))];
-                MaskHistory::new(&events).sentence(self.settings, seen.before.picture).unwrap_or(said)
+        let (state, labels) = (seen.before, Labels::new(seen));
+        let Some(event) = seen.events.last() else { return Step::at(line::EACH_ROW).say(case::OPENING) };
+        let at = |line| labels.put(Step::at(line), seen);
+        let mut union = None;
+        let step = match event {
+            Event::Row(_, 0) => at(line::EACH_ROW).put(value::ROW, state.row).say(case::EMPTY_ROW),
+            Event::Row(_, count) => passed(at(line::EACH_ROW), state).put(value::ROW_PIXELS, *count).say(case::ROW),
+            Event::Run(LabelEvent::Made(run)) => touches(at(line::NEW_LABEL), run).say(case::NEW_LABEL),
+            Event::Run(LabelEvent::Took(run, above)) => {
+                let is_root = run.label == above.label;
+                let step = touches_above(at(line::TAKE_ROOT), run, above);
+                let step = step.say(if is_one(run) { case::TAKES } else { case::TAKE });
+                step.say(if is_root { subtraction::case::END } else { case::ROOT_OF })
             }
-        }
-    }
-
-    fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
-        let state = seen.before;
-        if seen.events.is_empty() {
-            return Vec::new();
-        }
-        let labels = Labels::new(seen);
-        let mut facts: Vec<Fact> = vec![
-            Fact::new("Frame", state.frame.to_string(), None),
-            Fact::new("Runs", labels.runs.len().to_string(), None),
-            Fact::new("Labels", labels.parents.len().to_string(), None),
-            Fact::new("Roots", labels.roots().to_string(), Some(Role::Result)),
-        ];
-        if let Some(root) = self.focused(seen, &labels) {
-            facts.push(Fact::new("Pixel", root, Some(Role::Reference)));
-        }
-        facts.push(Fact::new("Label → parent", labels.forest(), None));
-        let now = seen.after.unwrap_or(state);
-        let mut readouts = vec![Readout::Facts(facts)];
-        let union = match seen.events.last() {
-            Some(Event::Run(LabelEvent::Merged(.., union))) => Some(*union),
-            _ => None,
+            Event::Run(LabelEvent::Met(run, other)) => {
+                touches_above(at(line::EACH_OTHER_RUN), run, other).say(case::SAME_ROOT)
+            }
+            Event::Run(LabelEvent::Merged(run, other, roots)) => {
+                union = Some(*roots);
+                let step = touches_above(at(line::MERGE_ROOTS), run, other);
+                step.put(value::ROOT, roots[0] + 1).put(value::CHILD, roots[1] + 1).say(case::UNION)
+            }
+            Event::Final(_, _, count) => {
+                passed(at(line::LABEL_BY_ROOT), state).put(value::ROOTS, *count).say(case::NUMBERED)
+            }
+            Event::Kept(_, blobs) => {
+                let least = self.settings.least_area(state.picture);
+                put_blobs(at(line::KEEP_BLOBS), blobs, least).say(subtraction::case::KEPT)
+            }
         };
-        readouts.extend(forest::drawn(&labels.parents, union).map(Readout::Diagram));
-        readouts.extend(plots(&now.record, &state.span));
-        readouts
-    }
-
-    /// The label and the root of the pixel that is pointed at.
-    fn focused(&self, seen: &Seen<Self>, labels: &Labels) -> Option<String> {
-        let (width, height) = seen.before.picture;
-        let [x, y] = seen.point()?.map(|c| c + 0.5);
-        let is_inside = (0.0..width as f32).contains(&x) && (0.0..height as f32).contains(&y);
-        let (x, y) = is_inside.then_some((x as u32, y as u32))?;
-        let run = labels.runs.iter().find(|run| run.y == y && (run.start..run.end).contains(&x));
-        Some(match run {
-            None => format!("{}, no label", words::pixel((x as usize, y as usize))),
-            Some(run) => format!(
-                "{}, {}, root {}",
-                words::pixel((x as usize, y as usize)),
-                label(run.label),
-                labels.root(run.label) + 1
-            ),
-        })
+        let forest = forest::drawn(&labels.parents, union).map(Readout::Diagram);
+        step.show_all(forest).show_all(plots(&seen.after.unwrap_or(state).record, &state.span))
     }
 
     pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {

@@ -1,80 +1,73 @@
-//! The classification of a pixel by its samples, in words and numbers.
+//! The classification of a pixel by its samples.
 
 use super::{KnnBackground, Samples, square};
-use crate::base::words::counted;
 use crate::data::Frame;
 use crate::geometry::Grid;
-use crate::methods::numbers::{gray, level};
-use crate::methods::subtraction::{Explanation, kind, levels, tuple};
-use crate::scene::{Fact, Math, Matrix, Role, Sentence};
+use crate::methods::subtraction::{self, Cases, Explanation, Probe, levels, put_pixel};
+use crate::scene::{Matrix, Readout, Role, Step, Unit};
 
 /// The names of the sets.
 const SETS: [&str; 3] = ["recent", "earlier", "old"];
 
+crate::variables! {
+    /// The samples within the threshold of the pixel, background or not.
+    NEAR: "Near samples", "", Unit::count("sample");
+    /// The background samples within the threshold of the pixel.
+    NEAR_BACKGROUND: "Near background samples", "n", Unit::count("background sample");
+    /// The distance of the nearest background sample.
+    NEAREST: "Nearest sample", "", Unit::GRAY;
+    /// The number of background samples that make a pixel background.
+    K: "", "k", Unit::WHOLE;
+    /// The sets of which the update has replaced samples.
+    REPLACED_SETS: "", "", Unit::WHOLE, Role::Estimate;
+}
+
+crate::cases! { over value, subtraction::value;
+    RULE: "fewer than k = {k} background samples lie within {threshold}.",
+    NEAR: "has {near_background} within {threshold}.",
+    TOO_FEW: "That is less than k = {k}: foreground.",
+    ENOUGH: "At least k = {k} are needed: background.",
+    NONE_REPLACED: "no sample is replaced in this frame.",
+    REPLACED_BY_BACKGROUND: "samples replaced among the {replaced_sets} {estimate|values}; {near} near, so a new one counts as \
+                             background.",
+    REPLACED_BY_FOREGROUND: "samples replaced among the {replaced_sets} {estimate|values}; {near} near, so a new one counts as \
+                             foreground.",
+}
+
 impl KnnBackground {
-    pub(super) fn explanation(
-        &self,
-        [before, after]: [Option<&Samples>; 2],
-        frame: &Frame,
-        place: (usize, usize),
-    ) -> Explanation {
-        let Some(before) = before else { return Explanation::default() };
-        let color = levels(frame, place, before.channels);
-        let near = self.near(&before.sets[place], color, before.channels);
-        let is_foreground = near.background < self.k;
-        let role = if is_foreground { Role::Result } else { Role::Rejected };
-        let (shown, limit) = (tuple(&color[..before.channels], |of| level(of.into())), gray(self.threshold));
-        let [name, lower] = kind(before.channels);
-        let sign = if is_foreground { " < " } else { " ≥ " };
-        let mut facts = vec![
-            Fact::new(name, shown.clone(), Some(Role::Measured)),
-            Fact::new("Near samples", near.all.to_string(), None),
-            Fact::new("Near background samples", near.background.to_string(), Some(role)),
-            Fact::new("Threshold", format!("{limit} gray levels"), None),
-        ];
-        let nearest = self.distances(before, frame, place);
-        facts.extend(nearest.first().map(|distance| Fact::new("Nearest sample", gray(*distance), None)));
-        let equation = vec![
-            Math::Row(vec![
-                Math::Var("n"),
-                Math::text(" = number of "),
-                Math::Abs(Box::new(Math::Row(vec![Math::Var("I"), Math::text(" − "), Math::Var("s")]))),
-                Math::text(format!(" ≤ {limit}")),
-            ]),
-            Math::Row(vec![
-                Math::Var("n"),
-                Math::text(" = "),
-                Math::ink(role, near.background.to_string()),
-                Math::text(format!("{sign}{} = ", self.k)),
-                Math::Var("k"),
-            ]),
-        ];
-        let verdict = Sentence::default()
-            .text(format!(": {lower} "))
-            .ink(Role::Measured, shown)
-            .text(" has ")
-            .ink(role, counted(near.background, "background sample"))
-            .text(format!(" within {limit} gray levels. "))
-            .text(match is_foreground {
-                true => format!("That is less than k = {}: foreground.", self.k),
-                false => format!("At least k = {} are needed: background.", self.k),
-            });
-        let update = after.map_or_else(Sentence::default, |after| self.replaced([before, after], near.all, place));
-        Explanation { facts, equation, matrices: vec![self.table(before, frame, place)], verdict, update }
+    /// Puts k and the threshold; returns with them the rule.
+    pub(super) fn put_rule(&self, step: Step) -> (Step, Cases) {
+        (step.put(value::K, self.k).put(subtraction::value::THRESHOLD, self.threshold), vec![case::RULE])
     }
 
-    /// The samples of a pixel that a frame has replaced.
-    fn replaced(&self, [before, after]: [&Samples; 2], near: usize, place: (usize, usize)) -> Sentence {
-        let said = Sentence::default();
-        let both = before.sets[place].iter().zip(&after.sets[place]).zip(SETS);
+    pub(super) fn explanation(&self, step: Step, probe: &Probe<Samples>) -> Explanation {
+        let &Probe { before, after, frame, place } = probe;
+        let (color, channels) = (levels(frame, place, before.channels), before.channels);
+        let sets = &before.sets[place];
+        let near = self.near(sets, color, channels);
+        let is_foreground = !self.has_near(sets, (color, channels), |sample| sample.is_background);
+        let (role, sign) = if is_foreground { (Role::Result, "<") } else { (Role::Rejected, r"\ge") };
+        let (step, level) = put_pixel(step, &color[..channels]);
+        let step = step
+            .fact(value::NEAR, near.all)
+            .fact_of(value::NEAR_BACKGROUND.is(near.background).inked(role))
+            .fact(subtraction::value::THRESHOLD, self.threshold)
+            .fact_if(value::NEAREST, self.distances(before, frame, place).first().copied())
+            .put(value::K, self.k)
+            .formula(r"n = \text{number of }|I - s| \le {threshold}")
+            .formula(format!("n = {{near_background}} {sign} {{k}} = k"))
+            .show(Readout::Matrices(vec![self.table(before, frame, place)]));
+        let verdict = vec![level, case::NEAR, if is_foreground { case::TOO_FEW } else { case::ENOUGH }];
+        let Some(after) = after else { return Explanation { step, verdict, update: Vec::new() } };
+        let both = sets.iter().zip(&after.sets[place]).zip(SETS);
         let changed: Vec<&str> = both.filter(|((old, new), _)| old != new).map(|(_, name)| name).collect();
-        if changed.is_empty() {
-            return said.text("no sample is replaced in this frame.");
-        }
-        let class = if near >= self.k { "background" } else { "foreground" };
-        said.text("samples replaced among the ")
-            .ink(Role::Estimate, format!("{} values", changed.join(" and ")))
-            .text(format!("; {} near, so a new one counts as {class}.", counted(near, "sample")))
+        let update = match self.has_near(sets, (color, channels), |_| true) {
+            _ if changed.is_empty() => case::NONE_REPLACED,
+            true => case::REPLACED_BY_BACKGROUND,
+            false => case::REPLACED_BY_FOREGROUND,
+        };
+        let step = step.put(value::REPLACED_SETS, changed.join(" and "));
+        Explanation { step, verdict, update: vec![update] }
     }
 
     /// The samples of a pixel, one row each.

@@ -7,7 +7,7 @@
 use super::{MAX_SIGMAS, MixtureOfGaussians};
 use crate::base::{LANES, Threads, wide::widest};
 use crate::data::{Frame, Mask};
-use crate::methods::subtraction::{Accepted, Found, ShadowLimits, is_shadow};
+use crate::methods::subtraction::{Accepted, Found, ShadowLimits, shadow_brightness};
 
 /// The weights of red, green and blue in a gray level.
 const LUMA: [f32; 3] = [0.299, 0.587, 0.114];
@@ -121,6 +121,46 @@ impl Rates {
             darkest: of.shadow.detect_shadows.then_some(of.shadow.shadow_threshold),
         }
     }
+
+    /// The weight of a mode after a frame, 0 without support, and the share of the way to the pixel that its mean and variance move.
+    #[inline(always)]
+    fn weight_after(&self, before: f32, is_match: bool) -> (f32, f32) {
+        let weight = before + self.rate * (if is_match { 1.0 } else { 0.0 } - before) - self.lost;
+        // A mode without support is pruned.
+        let weight = if (weight > 0.0) & (before > 0.0) { weight } else { 0.0 };
+        let step = self.rate / weight;
+        (weight, if is_match & (weight > 0.0) { step } else { 0.0 })
+    }
+
+    /// The variance of a matched mode after a frame, by the rule alone and within its limits.
+    #[inline(always)]
+    fn variance_after(&self, before: f32, square: f32, step: f32) -> [f32; 2] {
+        let free = before + step * (square - before);
+        let variance = if free > self.least { free } else { self.least };
+        [free, if variance < self.largest { variance } else { self.largest }]
+    }
+}
+
+/// The decision about a pixel.
+pub struct Verdict {
+    /// The modes before the update, the heaviest first.
+    pub modes: Vec<Mode>,
+    /// Whether it is foreground, shadows included.
+    pub is_foreground: bool,
+    /// The matched mode.
+    pub matched: Option<Matched>,
+    /// The index of the background mode that it is a shadow on, and its brightness as a share of that mode's.
+    pub shadow: Option<(usize, f32)>,
+}
+
+/// The mode that a pixel matches.
+pub struct Matched {
+    /// Its index among the modes.
+    pub mode: usize,
+    /// The place where it is stored, before the update and after it.
+    pub slot: usize,
+    /// The variance that the update gives it without limits.
+    pub free_variance: f32,
 }
 
 /// A band of rows of the model, the masks and the frame.
@@ -321,19 +361,59 @@ impl Mixture {
     }
 
     /// The modes of a pixel, the heaviest first; of two as heavy, the older place.
-    pub fn modes(&self, (x, y): (usize, usize)) -> Vec<Mode> {
-        let (group, lane) = (y * self.size.0.div_ceil(LANES) + x / LANES, x % LANES);
-        let mut modes: Vec<_> = self
-            .modes_of(group)
-            .filter(|mode| mode[lane] > 0.0)
-            .map(|mode| Mode {
-                weight: mode[lane],
-                variance: mode[LANES + lane],
-                mean: mode[2 * LANES..].chunks_exact(LANES).map(|mean| mean[lane]).collect(),
-            })
-            .collect();
-        modes.sort_by(|a, b| b.weight.total_cmp(&a.weight));
-        modes
+    pub fn modes(&self, place: (usize, usize)) -> Vec<Mode> {
+        self.ranked(place).into_iter().map(|slot| self.mode_in(slot, place)).collect()
+    }
+
+    /// The places of the modes of a pixel in that order.
+    fn ranked(&self, place: (usize, usize)) -> Vec<usize> {
+        let (group, lane) = self.lane(place);
+        let mut modes: Vec<_> = self.weights(group, lane).collect();
+        modes.sort_by(|a, b| b.1.total_cmp(&a.1));
+        modes.into_iter().map(|(slot, _)| slot).collect()
+    }
+
+    /// The mode of a pixel that is stored in a place.
+    pub fn mode_in(&self, slot: usize, place: (usize, usize)) -> Mode {
+        let (group, lane) = self.lane(place);
+        let mode = self.mode(group, slot);
+        let mean = mode[2 * LANES..].chunks_exact(LANES).map(|mean| mean[lane]).collect();
+        Mode { weight: mode[lane], variance: mode[LANES + lane], mean }
+    }
+
+    /// The number of background modes of a pixel, which are the heaviest.
+    pub fn background_modes(&self, of: &MixtureOfGaussians, place: (usize, usize)) -> usize {
+        let (group, lane) = self.lane(place);
+        let modes = self.weights(group, lane);
+        modes.filter(|mode| self.heavier((group, lane), *mode) < of.background_ratio).count()
+    }
+
+    /// The decision about a pixel, as a group of equal pixels meets it.
+    pub fn verdict(&self, of: &MixtureOfGaussians, pixel: &[f32], place: (usize, usize)) -> Verdict {
+        match *pixel {
+            [red, green, blue] => self.verdict_in(of, [red, green, blue], place),
+            _ => self.verdict_in(of, [pixel[0]], place),
+        }
+    }
+
+    fn verdict_in<const C: usize>(&self, of: &MixtureOfGaussians, pixel: [f32; C], place: (usize, usize)) -> Verdict {
+        let (group, lane) = self.lane(place);
+        let mut cells: Vec<Vec<f32>> = self.modes_of(group).map(<[f32]>::to_vec).collect();
+        let mut planes: Vec<&mut [f32]> = cells.iter_mut().map(|mode| &mut mode[..]).collect();
+        let (count, rates, pixels) = (planes.len(), Rates::new(of), pixel.map(|level| [level; LANES]));
+        let group = Group { planes: &mut planes, place: 0, most: self.most, count, pixels, rates: &rates };
+        let Decision { matches, foreground, shadows, shadowed } = group.decide();
+        let (ranked, modes) = (self.ranked(place), self.modes(place));
+        let rank = |slot: usize| ranked.iter().position(|of| *of == slot);
+        let matched = rank(matches.modes[lane] as usize).filter(|_| matches.weights[lane] > 0.0).map(|mode| {
+            let (_, step) = rates.weight_after(modes[mode].weight, true);
+            let square = group.squares(group.mode(ranked[mode]))[lane];
+            let [free_variance, _] = rates.variance_after(modes[mode].variance, square, step);
+            Matched { mode, slot: ranked[mode], free_variance }
+        });
+        let shadow = rank(shadowed[lane].into()).filter(|_| shadows >> lane & 1 == 1);
+        let shadow = shadow.and_then(|mode| Some((mode, group.brightness(ranked[mode], lane, rates.darkest?)?)));
+        Verdict { modes, is_foreground: foreground >> lane & 1 == 1, matched, shadow }
     }
 
     /// Returns the distance of a pixel from the nearest background mode in σ; from the heaviest mode if none is background.
@@ -437,7 +517,7 @@ widest!(fn in_color(band: &mut Band<'_>, rates: Rates) = color_band);
 
 #[inline(always)]
 fn gray_band(band: &mut Band<'_>, rates: Rates) {
-    work::<1>(band, Rates { darkest: None, ..rates }, |frame, y, [row]| {
+    work::<1>(band, rates, |frame, y, [row]| {
         row.iter_mut().zip(frame.luma().row(y)).for_each(|(to, gray)| *to = *gray);
     });
 }
@@ -514,20 +594,37 @@ struct Matches {
     modes: [f32; LANES],
 }
 
+/// The decision about the pixels of a group, a bit for each.
+struct Decision {
+    matches: Matches,
+    foreground: u16,
+    shadows: u16,
+    /// The background mode that each shadow lies on.
+    shadowed: [u8; LANES],
+}
+
 impl<const C: usize> Group<'_, '_, C> {
     /// Classifies and updates the pixels; returns a bit for each foreground pixel and for each shadow.
     #[inline(always)]
     fn take_in(&mut self) -> (u16, u16) {
+        let Decision { matches, foreground, shadows, .. } = self.decide();
+        self.update(&matches);
+        (foreground, shadows)
+    }
+
+    /// Classifies the pixels.
+    #[inline(always)]
+    fn decide(&self) -> Decision {
         let matches = self.matches();
         let heavier = self.heavier(&matches.weights, &matches.modes);
         let background = self.rates.background;
         let foreground = !bits(|lane| (matches.weights[lane] > 0.0) & (heavier[lane] < background));
-        let shadows = match self.rates.darkest {
-            Some(darkest) if foreground != 0 => self.shadows(foreground, darkest),
-            _ => 0,
+        let (shadows, shadowed) = match self.rates.darkest {
+            // A gray level has no colour to keep.
+            Some(darkest) if C == 3 && foreground != 0 => self.shadows(foreground, darkest),
+            _ => (0, [0; LANES]),
         };
-        self.update(&matches);
-        (foreground, shadows)
+        Decision { matches, foreground, shadows, shadowed }
     }
 
     #[inline(always)]
@@ -585,28 +682,36 @@ impl<const C: usize> Group<'_, '_, C> {
         sum
     }
 
-    /// Returns the foreground pixels that are shadows on a background mode.
-    fn shadows(&self, foreground: u16, darkest: f32) -> u16 {
-        let mut shadows = 0;
+    /// Returns the foreground pixels that are shadows on a background mode, and the first such mode of each.
+    fn shadows(&self, foreground: u16, darkest: f32) -> (u16, [u8; LANES]) {
+        let (mut shadows, mut shadowed) = (0, [0; LANES]);
         for index in 0..self.count {
             let mode = self.mode(index);
             let heavier = self.heavier(&mode[0], &[index as f32; LANES]);
             for lane in (0..LANES).filter(|lane| foreground >> lane & 1 == 1) {
                 let is_background = mode[0][lane] > 0.0 && heavier[lane] < self.rates.background;
-                let (pixel, mean) =
-                    (self.pixels.map(|p| p[lane]), std::array::from_fn::<_, C, _>(|c| mode[2 + c][lane]));
-                let is_one = is_background
-                    && is_shadow(pixel, mean, ShadowLimits { darkest, limit: self.rates.limit * mode[1][lane] });
-                shadows |= u16::from(is_one) << lane;
+                let is_new = is_background && shadows >> lane & 1 == 0;
+                if is_new && self.brightness(index, lane, darkest).is_some() {
+                    shadows |= 1 << lane;
+                    shadowed[lane] = index as u8;
+                }
             }
         }
-        shadows
+        (shadows, shadowed)
+    }
+
+    /// Returns the brightness of a pixel as a share of that of a mode, if it may be a shadow on it.
+    #[inline(always)]
+    fn brightness(&self, index: usize, lane: usize, darkest: f32) -> Option<f32> {
+        let mode = self.mode(index);
+        let (pixel, mean) = (self.pixels.map(|p| p[lane]), std::array::from_fn::<_, C, _>(|c| mode[2 + c][lane]));
+        shadow_brightness(pixel, mean, ShadowLimits { darkest, limit: self.rates.limit * mode[1][lane] })
     }
 
     /// Updates the modes with the pixels.
     #[inline(always)]
     fn update(&mut self, matches: &Matches) {
-        let Rates { rate, lost, least, largest, .. } = *self.rates;
+        let rates = *self.rates;
         let mut total = [0.0f32; LANES];
         for index in 0..self.count {
             let squares = self.squares(self.mode(index));
@@ -615,17 +720,11 @@ impl<const C: usize> Group<'_, '_, C> {
             let mut steps = [0.0; LANES];
             for lane in 0..LANES {
                 let is_match = matches.modes[lane] == index as f32;
-                let weight = mode[0][lane];
-                let weight = weight + rate * (if is_match { 1.0 } else { 0.0 } - weight) - lost;
-                // A mode without support is pruned.
-                let weight = if (weight > 0.0) & (mode[0][lane] > 0.0) { weight } else { 0.0 };
-                let step = rate / weight;
-                steps[lane] = if is_match & (weight > 0.0) { step } else { 0.0 };
+                let (weight, step) = rates.weight_after(mode[0][lane], is_match);
+                steps[lane] = step;
                 mode[0][lane] = weight;
                 total[lane] += weight;
-                let variance = mode[1][lane] + steps[lane] * (squares[lane] - mode[1][lane]);
-                let variance = if variance > least { variance } else { least };
-                let variance = if variance < largest { variance } else { largest };
+                let [_, variance] = rates.variance_after(mode[1][lane], squares[lane], step);
                 mode[1][lane] = if is_match { variance } else { mode[1][lane] };
             }
             for (means, pixels) in mode[2..2 + C].iter_mut().zip(&pixels) {
@@ -636,7 +735,7 @@ impl<const C: usize> Group<'_, '_, C> {
         }
         self.normalise(matches, &total);
         let new = bits(|lane| matches.weights[lane] == 0.0);
-        if rate > 0.0 && new != 0 {
+        if rates.rate > 0.0 && new != 0 {
             (0..LANES).filter(|lane| new >> lane & 1 == 1).for_each(|lane| self.begin(lane));
         }
     }

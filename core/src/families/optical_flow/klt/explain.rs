@@ -73,7 +73,7 @@ impl Klt {
                 _ => line::TRACK,
             },
         };
-        Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
+        Step { values: Vec::new(), line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }
 
     /// Returns the tracking of the feature on the current level.

@@ -69,17 +69,21 @@ impl LucasKanade {
                             Least squares gives T (u, v) = −Σ w ∇I I_t with the structure tensor T. (Course \
                             notes with (I_x, I_y; I_t, I_y) (u, v) = −(I_t, I_x) are misprinted.)";
             return Step {
+                values: Vec::new(),
                 line: line::START_AT_ZERO,
                 sentence: Sentence::default().text(sentence),
                 readouts: Vec::new(),
             };
         };
         let line = if probe.is_solved() { line::SOLVE } else { line::IS_SINGULAR };
-        Step {
-            line,
-            sentence: self.concluded(seen, self.sentence(seen, &probe)),
-            readouts: self.readouts(seen, &probe),
-        }
+        let (sentence, readouts) = (self.sentence(seen, &probe), self.readouts(seen, &probe));
+        let has_gaps = readouts.iter().any(|readout| match readout {
+            Readout::Plane(plane) => plane.cost.as_ref().is_some_and(PlaneCost::has_gaps),
+            _ => false,
+        });
+        let border = " The cost surface ends where the window leaves frame t+1.";
+        let sentence = sentence.text(if has_gaps { border } else { "" });
+        Step { sentence: self.concluded(seen, sentence), readouts, ..Step::at(line) }
     }
 
     /// Explains the linearisation before the first row of an iteration.
@@ -94,7 +98,7 @@ impl LucasKanade {
         };
         let facts = vec![Fact::new("Iteration", format!("{} of {}", iteration + 1, self.iterations), None)];
         let sentence = Sentence::default().text(number + what);
-        Step { line: line::LINEARIZE, sentence, readouts: vec![Readout::Facts(facts)] }
+        Step { values: Vec::new(), line: line::LINEARIZE, sentence, readouts: vec![Readout::Facts(facts)] }
     }
 
     pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
@@ -123,7 +127,7 @@ impl LucasKanade {
         }
         if after.iteration == self.iterations {
             let conclusion = Conclusion::new(&after.frame_pair, &Flow(after.flow(&[])), 1.0);
-            return sentence.text(conclusion.sentence(&ADVICE));
+            return sentence.text(" ").then(conclusion.tell(Step::at(line::SOLVE), &ADVICE).sentence);
         }
         let count = |wanted: Texture| after.found.iter().filter(|solution| solution.texture == wanted).count();
         let percent = |count: usize| format!("{:.0} %", 100.0 * count as f32 / after.found.len().max(1) as f32);

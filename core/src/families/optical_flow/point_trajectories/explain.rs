@@ -56,7 +56,7 @@ impl PointTrajectories {
             (Some(What::Done(_)), None) => line::COMPARE_FEATURES,
             _ => line::EACH_FRAME,
         };
-        Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
+        Step { values: Vec::new(), line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }
 
     fn sentence(&self, seen: &Seen<Self>) -> Sentence {

@@ -1,15 +1,18 @@
 //! The explanation and the drawing of the active contour.
 
 use super::{ActiveContour, At, Energy, Event, Field, Iteration, Point};
-use crate::base::words::{counted, fixed};
+use crate::base::words::{counted, fixed, summands};
 use crate::geometry::polygon;
 use crate::methods::contour::explain;
 use crate::methods::numbers::{px, ratio};
 use crate::scene::{Fact, Math, Readout, Role, Scene, Sentence, Series};
 
+/// The decimals of an energy or a force.
+const ENERGY_DECIMALS: usize = 3;
+
 /// An energy or a force as text.
 fn energy(value: f64) -> String {
-    fixed(value, 3)
+    fixed(value, ENERGY_DECIMALS)
 }
 
 /// The mean length of the force at points, in 1/px.
@@ -142,16 +145,14 @@ fn formula_of_energy() -> Math {
 
 /// The energies of an iteration in that formula.
 fn numbers(of: &Energy) -> Math {
-    let signed = |value: f64| match energy(value).strip_prefix('−') {
-        Some(digits) => format!(" − {digits}"),
-        None => format!(" + {}", energy(value)),
-    };
+    let [elastic, bending, external, balloon] =
+        summands([of.elastic, of.bending, of.external, of.balloon], ENERGY_DECIMALS);
     Math::Row(vec![
         Math::text("= "),
-        Math::ink(Role::Predicted, energy(of.elastic)),
-        Math::ink(Role::Window, signed(of.bending)),
-        Math::ink(Role::Measured, signed(of.external)),
-        Math::ink(Role::Candidate, signed(of.balloon)),
+        Math::ink(Role::Predicted, elastic),
+        Math::ink(Role::Window, bending),
+        Math::ink(Role::Measured, external),
+        Math::ink(Role::Candidate, balloon),
         Math::text(" = "),
         Math::ink(Role::Estimate, energy(of.total())),
     ])

@@ -8,7 +8,7 @@ use crate::methods::numbers::{px, ratio};
 use crate::methods::region::color::Area;
 use crate::methods::region::{At, Ending, Explained, Outcome, plots};
 use crate::products::Region;
-use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Shape};
+use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Shape, Surface};
 
 /// The back-projection is drawn this far around the window, in px.
 const AROUND_PX: f32 = 24.0;
@@ -70,7 +70,7 @@ impl Explained for Camshift {
     fn readouts(&self, at: &At<'_, Self>) -> Vec<Readout> {
         let moment = |index: &str| Math::indexed(Math::Var("M"), Math::text(index));
         let ratio_of = |over: &str| Math::over(moment(over), moment("00"));
-        match at.event {
+        let mut readouts = match at.event {
             Event::Modelled(model) => vec![of_model(model)],
             Event::Projected(..) => at.model.map(of_model).into_iter().collect(),
             Event::Shifted(_, shift) => {
@@ -111,7 +111,9 @@ impl Explained for Camshift {
                 ]);
                 vec![Readout::Equation(vec![formula, numbers])]
             }
-        }
+        };
+        readouts.extend(hills(at).map(Readout::Landscape));
+        readouts
     }
 
     fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
@@ -323,21 +325,78 @@ fn of_model(model: &Model) -> Readout {
     Readout::Series(plots::histograms("Histogram of the object", [axis, "q"], lines))
 }
 
-/// Draws the back-projection around a window as a heat map.
-fn project(scene: &mut Scene, (frame, model): (&Frame, &Model), window: Bounds) {
+/// The back-projection around the first window of the frame, with the path of the window's centre.
+fn hills(at: &At<'_, Camshift>) -> Option<Surface> {
+    let (frame, window) = at.events.iter().find_map(|event| match event {
+        Event::Projected(frame, window) => Some((frame, *window)),
+        _ => None,
+    })?;
+    let (origin, values) = projection((frame, at.model?), window)?;
+    let shifts = at.events.iter().filter_map(|event| match event {
+        Event::Shifted(_, shift) => Some(shift.window.moved(shift.by?).center()),
+        _ => None,
+    });
+    let surface = Surface::over_pixels(("back-projection", ""), (Picture::CURRENT, origin), &values);
+    Some(Surface { is_similarity: true, ..surface.with_trail([window.center()].into_iter().chain(shifts)) })
+}
+
+/// The back-projection around a window, with its first pixel; `None` outside the picture.
+fn projection((frame, model): (&Frame, &Model), window: Bounds) -> Option<([usize; 2], Grid<f32>)> {
     let wide = Bounds { min: window.min.map(|c| c - AROUND_PX), max: window.max.map(|c| c + AROUND_PX) };
-    let area = Area::within(wide, frame.size());
+    let Area { from, to } = Area::within(wide, frame.size());
     let mut bins = Bins::new(frame, model.histogram.binning);
     bins.cover(wide);
-    let size = [0, 1].map(|i| area.to[i] - area.from[i]);
-    if size.contains(&0) {
-        return;
-    }
-    let values = Grid::from_fn(size[0], size[1], |x, y| {
-        bins.at(area.from[0] + x, area.from[1] + y).map_or(0.0, |bin| model.projection[usize::from(bin)])
-    });
-    let origin = area.from.map(|c| c as f32);
-    scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin, values });
+    let size = [0, 1].map(|i| to[i] - from[i]);
+    let value = |x, y| bins.at(from[0] + x, from[1] + y).map_or(0.0, |bin| model.projection[usize::from(bin)]);
+    (!size.contains(&0)).then(|| (from, Grid::from_fn(size[0], size[1], value)))
+}
+
+/// Draws the back-projection around a window as a heat map.
+fn project(scene: &mut Scene, seen: (&Frame, &Model), window: Bounds) {
+    let Some((origin, values)) = projection(seen, window) else { return };
+    scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin: origin.map(|c| c as f32), values });
     scene.heat = Some("back-projection");
     scene.heat_scale = Some([0.0, 1.0]);
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::methods::region::RegionModel as _;
+
+    /// A red disc on gray, with its centre here.
+    fn frame(center: [f32; 2]) -> Arc<Frame> {
+        let is_red = |x: usize, y: usize| (x as f32 - center[0]).hypot(y as f32 - center[1]) < 8.0;
+        let color = |x, y| if is_red(x, y) { [220, 30, 20] } else { [90 + (x % 7) as u8; 3] };
+        Arc::new(Frame::rgb(Grid::from_fn(70, 60, color)))
+    }
+
+    #[test]
+    fn the_hills_are_the_back_projection_and_the_window_climbs_them() {
+        let (tracker, seen) = (Camshift::default(), frame([36.0, 30.0]));
+        let region = Region { center: [30.0, 27.0], size: [18.0, 18.0], angle_rad: 0.0 };
+        let (mut model, _) = tracker.begin(&frame(region.center), region, &mut ());
+        let (before, mut events) = (model.clone(), Vec::<Event>::new());
+        let found = tracker.follow(&mut model, &seen, region, &mut events);
+        let all: Vec<_> = events.iter().collect();
+        let event = *all.last().expect("events");
+        let at = At { model: Some(&before), region, events: all, event, pose: None, poses: Box::new(|_| None) };
+        let surface = hills(&at).expect("inside the picture");
+        let mut bins = Bins::new(&seen, before.histogram.binning);
+        bins.cover(Bounds { min: [0.0; 2], max: [70.0, 60.0] });
+        let (width, height) = surface.values.size();
+        for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+            let place = surface.axes.at([0, 1].map(|i| [x, y][i] as f32 + surface.origin[i] as f32));
+            let bin = bins.at(place[0] as usize, place[1] as usize);
+            let expected = bin.map_or(0.0, |bin| before.projection[usize::from(bin)]);
+            assert_eq!(surface.values[(x, y)], expected, "at {place:?}");
+        }
+        let [first, .., last] = surface.trail[..] else { panic!("no shifts: {:?}", surface.trail) };
+        let [first, last] = [first, last].map(|at| surface.axes.at(at));
+        let off = |at: [f32; 2]| (at[0] - 36.0).hypot(at[1] - 30.0);
+        assert!(off(first) > 6.0 && off(last) < 1.0, "{first:?} to {last:?}");
+        assert!(off(found.region.center) < 1.0, "{:?}", found.region);
+    }
 }

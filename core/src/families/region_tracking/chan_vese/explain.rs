@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use super::{ChanVese, Energy, Event, Field, Iteration, Judged, LEAST_AREA_PX, Model, STILL};
-use crate::base::words::{counted, fixed, grouped};
+use crate::base::words::{counted, fixed, grouped, summands};
 use crate::data::Mask;
 use crate::geometry::Grid;
 use crate::methods::contour::explain::area;
-use crate::methods::numbers::{gray, ratio};
+use crate::methods::numbers::{RATIO_DECIMALS, gray, ratio};
 use crate::methods::region::{At, Ending, Explained, Outcome};
 use crate::scene::{Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Surface, Tile};
 
@@ -207,14 +207,7 @@ impl ChanVese {
 
 /// φ over the picture, with the contour where it is 0.
 fn level_set(field: &Field, phi: &Grid<f32>) -> Surface {
-    /// Most cells along a side.
-    const MOST: usize = 48;
-    let (width, height) = phi.size();
-    let step = width.max(height).div_ceil(MOST);
-    let values = Grid::from_fn(width.div_ceil(step), height.div_ceil(step), |x, y| phi[(x * step, y * step)]);
-    let middle = [values.width(), values.height()].map(|side| side / 2 * step);
-    let center = [0, 1].map(|i| (field.origin[i] + middle[i]) as f32);
-    let surface = Surface::over_picture(("φ", "px"), (Picture::CURRENT, center, step as f32), values);
+    let surface = Surface::over_pixels(("φ", "px"), (Picture::CURRENT, field.origin), phi);
     Surface { is_similarity: true, contour: Some(0.0), ..surface }
 }
 
@@ -245,16 +238,13 @@ fn formula_of_energy() -> Math {
 
 /// The energies of an iteration in that formula.
 fn numbers(of: &Energy) -> Math {
-    let signed = |value: f64| match ratio(value).strip_prefix('−') {
-        Some(digits) => format!(" − {digits}"),
-        None => format!(" + {}", ratio(value)),
-    };
+    let [length, area, inside, outside] = summands([of.length, of.area, of.inside, of.outside], RATIO_DECIMALS);
     Math::Row(vec![
         Math::text("= "),
-        Math::ink(Role::Predicted, ratio(of.length)),
-        Math::ink(Role::Measured, signed(of.area)),
-        Math::ink(Role::Best, signed(of.inside)),
-        Math::ink(Role::Window, signed(of.outside)),
+        Math::ink(Role::Predicted, length),
+        Math::ink(Role::Measured, area),
+        Math::ink(Role::Best, inside),
+        Math::ink(Role::Window, outside),
         Math::text(" = "),
         Math::ink(Role::Estimate, ratio(of.total())),
     ])

@@ -1,10 +1,10 @@
 //! The explanation and the drawing of the greedy active contour.
 
 use super::{At, Event, GreedyContour, Pass, Terms, Test};
-use crate::base::words::{counted, fixed};
+use crate::base::words::{counted, fixed, further_digits, rounded};
 use crate::geometry::Grid;
 use crate::methods::contour::{Point, explain};
-use crate::methods::numbers::{px, ratio};
+use crate::methods::numbers::{RATIO_DECIMALS, px, ratio};
 use crate::scene::{Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Tile};
 
 fn pixel([x, y]: Point) -> String {
@@ -143,14 +143,20 @@ impl GreedyContour {
     fn numbers(&self, test: &Test) -> Math {
         let Terms { continuity, curvature, edge, total } = self.lowest(test);
         let beta = if test.site.is_corner { 0.0 } else { self.beta };
-        let product = |weight: f32, of: f64| format!("{} · {}", fixed(weight.into(), 2), ratio(of));
+        let weights = [self.alpha, beta, self.edge_weight].map(f64::from);
+        let further = further_digits(|further| {
+            let terms = [continuity, curvature, edge].map(|of| rounded(of, RATIO_DECIMALS + further));
+            ratio((0..3).map(|i| weights[i] * terms[i]).sum()) == ratio(total)
+        });
+        let number = |of: f64| fixed(of, RATIO_DECIMALS + further);
+        let product = |weight: f32, of: f64| format!("{} · {}", fixed(weight.into(), 2), number(of));
         Math::Row(vec![
             Math::text("= "),
             Math::ink(Role::Predicted, product(self.alpha, continuity)),
             Math::text(" + "),
             Math::ink(Role::Window, product(beta, curvature)),
             Math::text(" + "),
-            Math::ink(Role::Measured, format!("{} · ({})", fixed(self.edge_weight.into(), 2), ratio(edge))),
+            Math::ink(Role::Measured, format!("{} · ({})", fixed(self.edge_weight.into(), 2), number(edge))),
             Math::text(" = "),
             Math::ink(Role::Best, ratio(total)),
         ])

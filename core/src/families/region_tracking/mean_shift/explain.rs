@@ -338,8 +338,7 @@ fn hill(at: &At<'_, MeanShift>, (mut search, shift): (Search<'_>, &Shift), is_sh
     let surface = Surface::sampled_over_picture(("ρ", ""), square, side, coefficient);
     let before = (1..shift.iteration).filter_map(|i| last(at, shift.trial, i)).map(|shift| shift.from.center);
     let places = before.chain([shift.from.center]).chain(shift.to.filter(|_| is_shift));
-    let trail = places.map(|place| surface.axes.displacement(place)).collect();
-    Surface { is_similarity: true, trail, ..surface }
+    Surface { is_similarity: true, ..surface.with_trail(places) }
 }
 
 /// The weight of a pixel, and the coefficient.

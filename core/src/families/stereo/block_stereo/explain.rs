@@ -1,14 +1,28 @@
 //! What block stereo tells and draws.
 
-use super::{BlockStereo, Cost, Desk, Event, Fixed, line};
-use crate::base::words;
+use super::{BlockStereo, Cost, Desk, Event, Fixed, State, line};
+use crate::cases;
 use crate::data::Disparity;
 use crate::geometry::{Border, Grid};
 use crate::methods::stereo::{
-    Curve, Kept, Pair, Verdict, concluded, depth, disparity_px, draw_map, draw_match, smallest, starting, true_at,
+    Curve, Kept, Pair, Verdict, concluded, draw_map, draw_match, measured, smallest, starting, value,
 };
 use crate::run::Seen;
-use crate::scene::{Fact, Math, Readout, Role, Scene, Sentence, Step, Tile};
+use crate::scene::{Readout, Role, Scene, Step, Tile};
+
+cases! { over value;
+    LOWEST_SAD: "{reference|Pixel} {pixel}: the minimum along the epipolar line, SAD {minimum} at d = {best:bare}",
+    LOWEST_HAMMING: "{reference|Pixel} {pixel}: the minimum along the epipolar line, Hamming distance {minimum} at d = \
+                     {best:bare}",
+    AMBIGUOUS: ", has a rival: {rival_cost} at d = {rival:bare}, less than {uniqueness} higher, so the match is ambiguous and \
+                the pixel gets no disparity.",
+    REPEATED: "There is too little texture, or one that repeats.",
+    INCONSISTENT: ", fails the left–right check: from the matched pixel of the {second}, the minimum is at d = {back:bare}.",
+    OCCLUDED: "Probably the pixel is half-occluded, hidden there by something nearer.",
+    UNIQUE: ", is unique and confirmed by the left–right check. The disparity is {disparity}.",
+    WITH_DEPTH: ", is unique and confirmed by the left–right check. The disparity is {disparity}, which is a depth Z = f B / d \
+                 of {depth}.",
+}
 
 /// The pixel that a step explains.
 struct Shown<'a> {
@@ -38,85 +52,47 @@ impl BlockStereo {
         Pair { views: &fixed.views, pixel, reach: self.window, disparities: self.settings.disparities }
     }
 
-    fn cost_name(&self) -> &'static str {
-        match self.cost {
-            Cost::Sad => "SAD",
-            Cost::Census => "Hamming distance",
-        }
-    }
-
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
         let Some(shown) = self.shown(seen) else {
-            let sentence = starting(&seen.before.fixed.views, &self.settings);
-            return Step { line: line::TAKE_VIEWS, sentence, readouts: Vec::new() };
+            return starting(Step::at(line::TAKE_VIEWS), &seen.before.fixed.views, &self.settings);
         };
-        let line = match shown.event.kept.verdict {
+        let step = self.decided(&shown);
+        let is_over = |after: &&State| after.y() == after.fixed.views.size().1;
+        let step = match (seen.after.filter(is_over), seen.point()) {
+            (Some(after), None) => concluded(step, &after.fixed.views, &self.settings, &after.kept),
+            _ => step,
+        };
+        self.computed(step, &shown).show(self.curve(&shown)).show(Readout::Tiles(self.tiles(&shown)))
+    }
+
+    /// The minimum of the pixel, and what the tests made of it.
+    fn decided(&self, shown: &Shown) -> Step {
+        let Event { kept, best, back } = shown.event;
+        let (pair, minimum) = (self.pair(shown), smallest(&shown.costs));
+        let line = match kept.verdict {
             Verdict::Ambiguous => line::REJECT_AMBIGUOUS,
             Verdict::Inconsistent => line::REJECT_INCONSISTENT,
             Verdict::Accepted => line::REFINE,
         };
-        let mut sentence = self.sentence(&shown);
-        if let (Some(after), None) = (seen.after.filter(|after| after.y() == after.fixed.views.size().1), seen.point())
-        {
-            sentence = sentence.text(concluded(&after.fixed.views, &self.settings, &after.kept));
-        }
-        Step { line, sentence, readouts: self.readouts(&shown) }
-    }
-
-    fn sentence(&self, shown: &Shown) -> Sentence {
-        let Event { kept, best, back } = shown.event;
-        let minimum = smallest(&shown.costs);
-        let said = Sentence::default()
-            .ink(Role::Reference, format!("Pixel {}", words::pixel(shown.pixel)))
-            .text(format!(": the minimum along the epipolar line, {} ", self.cost_name()))
-            .ink(Role::Best, format!("{} at d = {best}", words::cost(minimum.cost.into())));
-        match (kept.verdict, minimum.rival) {
-            (Verdict::Ambiguous, Some((at, cost))) => said.text(format!(
-                ", has a rival: {} at d = {at}, less than {} % higher, so the match is ambiguous and the pixel gets no disparity. {}",
-                words::cost(cost.into()),
-                self.settings.uniqueness,
-                self.pair(shown).cause("There is too little texture, or one that repeats.")
-            )),
-            (Verdict::Inconsistent, _) => said.text(format!(
-                ", fails the left–right check: from the matched pixel of the {}, the minimum is at d = {back}. {}",
-                shown.fixed.views.second_name(),
-                self.pair(shown).cause("Probably the pixel is half-occluded, hidden there by something nearer.")
-            )),
-            _ => {
-                let said = said.text(", is unique and confirmed by the left–right check. The disparity is ");
-                let said = said.ink(Role::Result, disparity_px(kept.disparity));
-                match depth(shown.fixed.views.calibration.as_ref(), kept.disparity) {
-                    Some(depth) => said.text(format!(", which is a depth Z = f B / d of {depth}.")),
-                    None => said.text("."),
-                }
+        let step = pair.step(line).fact(value::MINIMUM, minimum.cost).fact(value::BEST, usize::from(best));
+        let step = step.fact_if(value::RIVAL_COST, minimum.rival.map(|(_, cost)| cost));
+        let step = step.fact_if(value::RIVAL, minimum.rival.map(|(at, _)| at)).fact(value::BACK, usize::from(back));
+        let step = step.put(value::UNIQUENESS, self.settings.uniqueness);
+        let step = step.say(if self.cost == Cost::Sad { case::LOWEST_SAD } else { case::LOWEST_HAMMING });
+        match kept.verdict {
+            Verdict::Ambiguous => pair.cause(step.say(case::AMBIGUOUS), case::REPEATED),
+            Verdict::Inconsistent => pair.cause(step.say(case::INCONSISTENT), case::OCCLUDED),
+            Verdict::Accepted => {
+                let step = measured(step, shown.fixed.views.calibration.as_ref(), kept.disparity);
+                let has_depth = step.real(value::DEPTH).is_finite();
+                step.say(if has_depth { case::WITH_DEPTH } else { case::UNIQUE })
             }
         }
     }
 
-    fn readouts(&self, shown: &Shown) -> Vec<Readout> {
-        let Event { kept, best, back } = shown.event;
-        let (pair, minimum, views) = (self.pair(shown), smallest(&shown.costs), &shown.fixed.views);
-        let cost = |cost: u32| words::cost(cost.into());
-        let mut facts = vec![
-            Fact::new("Pixel", words::pixel(shown.pixel), Some(Role::Reference)),
-            Fact::new("Minimum", format!("{} at d = {best}", cost(minimum.cost)), Some(Role::Best)),
-        ];
-        facts.extend(
-            minimum.rival.map(|(at, rival)| Fact::new("Next minimum", format!("{} at d = {at}", cost(rival)), None)),
-        );
-        facts.push(Fact::new("From the other view", format!("d = {back}"), None));
-        if kept.disparity.is_finite() {
-            facts.push(Fact::new("Disparity", disparity_px(kept.disparity), Some(Role::Result)));
-            facts.push(match depth(views.calibration.as_ref(), kept.disparity) {
-                Some(depth) => Fact::new("Depth", depth, None),
-                None => Fact::new("Depth", "unknown: it needs the focal length and the baseline of the cameras", None),
-            });
-        }
-        facts.extend(
-            true_at(views, shown.pixel)
-                .map(|truth| Fact::new("True disparity", disparity_px(truth), Some(Role::Truth))),
-        );
-        let limit = f64::from(minimum.cost) * (1.0 + self.settings.uniqueness as f64 / 100.0);
+    /// The cost along the epipolar line, with the highest that a rival must exceed.
+    fn curve(&self, shown: &Shown) -> Readout {
+        let limit = f64::from(smallest(&shown.costs).cost) * (1.0 + self.settings.uniqueness as f64 / 100.0);
         let uniqueness = (self.settings.uniqueness > 0).then(|| ("uniqueness".to_owned(), limit as f32));
         let curve = Curve {
             title: "Cost along the epipolar line",
@@ -125,48 +101,28 @@ impl BlockStereo {
                 Cost::Census => "Hamming distance (bits)",
             },
             lines: vec![("cost C(d)", Role::Candidate, shown.costs.iter().map(|cost| *cost as f32).collect())],
-            best: usize::from(best),
+            best: usize::from(shown.event.best),
             thresholds: uniqueness.into_iter().collect(),
-            pair,
+            pair: self.pair(shown),
         };
-        vec![
-            Readout::Facts(facts),
-            Readout::Equation(self.equation(shown)),
-            curve.readout(),
-            Readout::Tiles(self.tiles(shown)),
-        ]
+        curve.readout()
     }
 
-    /// The cost, and the vertex of the parabola with its numbers where there is one.
-    fn equation(&self, shown: &Shown) -> Vec<Math> {
-        let Event { kept, best, .. } = shown.event;
-        let best = usize::from(best);
-        let sum = || Math::Sum(Box::new(Math::text("i, j")));
-        let at = |name: &'static str, place: &str| {
-            Math::Row(vec![Math::indexed(Math::Var("I"), Math::Var(name)), Math::text(place.to_owned())])
-        };
-        let left = at("L", "(x + i, y + j)");
-        let right = at("R", "(x − d + i, y + j)");
-        let inner = match self.cost {
-            Cost::Sad => Math::abs(Math::Row(vec![left, Math::text(" − "), right])),
-            Cost::Census => Math::text("H(census(x + i, y + j), census(x − d + i, y + j))"),
-        };
-        let mut lines = vec![Math::Row(vec![Math::Var("C"), Math::text("(d) = "), sum(), inner])];
-        let is_inside = best > 0 && best + 1 < shown.costs.len();
-        if kept.disparity.is_finite() && self.settings.subpixel && is_inside {
-            let [before, here, after] = [best - 1, best, best + 1].map(|d| words::cost(shown.costs[d].into()));
-            lines.push(Math::Row(vec![
-                Math::Var("d"),
-                Math::text(format!(" = {best} + ")),
-                Math::over(
-                    Math::text(format!("{before} − {after}")),
-                    Math::text(format!("2 · ({before} − 2 · {here} + {after})")),
-                ),
-                Math::text(" = "),
-                Math::ink(Role::Result, disparity_px(kept.disparity)),
-            ]));
+    /// Adds the cost, and the vertex of the parabola with its numbers where there is one.
+    fn computed(&self, step: Step, shown: &Shown) -> Step {
+        let (best, costs) = (usize::from(shown.event.best), &shown.costs);
+        let step = step.formula(match self.cost {
+            Cost::Sad => r"C(d) = \sum_{i, j} |I_L(x + i, y + j) - I_R(x - d + i, y + j)|",
+            Cost::Census => r"C(d) = \sum_{i, j} H(\text{census}(x + i, y + j), \text{census}(x - d + i, y + j))",
+        });
+        if shown.event.kept.verdict != Verdict::Accepted || !self.settings.is_refined(best, shown.pixel.0) {
+            return step;
         }
-        lines
+        let step = step.put(value::COST_BEFORE, costs[best - 1]).put(value::COST_AFTER, costs[best + 1]);
+        step.formula(
+            r"d = {best} + \frac{{cost_before} - {cost_after}}{2 \cdot ({cost_before} - 2 \cdot {minimum} + {cost_after})}
+              = {disparity:unit}",
+        )
     }
 
     /// The window, that of the best match, and their difference.

@@ -5,36 +5,186 @@ mod drawing;
 use std::sync::Arc;
 
 use super::{Depths, Event, Part, SceneFlow, Source, line, space};
-use crate::base::words::{self, fixed, grouped};
-use crate::data::{Calibration, Disparity, Measured, Pose, SpaceMotion, mahalanobis_squared};
+use crate::data::{Calibration, Disparity, Pose};
 use crate::geometry::Grid;
-use crate::methods::numbers::{percent, squared};
-use crate::methods::scene_flow::{Draw, EgoSettings, FEWEST, Fit};
-use crate::methods::stereo::{Settings, Views};
+use crate::methods::scene_flow::{Draw, FEWEST, Fit};
+use crate::methods::stereo::value::PIXEL;
+use crate::methods::stereo::{Settings, Views, WHOLE_PX, warned};
 use crate::products::scene_flow::{depth_error, scene_flow_error};
 use crate::products::{Reference, SceneFlowField};
 use crate::run::Seen;
-use crate::scene::{Fact, Math, Matrix, Readout, Role, Sentence, Series, Step};
+use crate::scene::{Matrix, Name, Readout, Role, Sentence, Series, Step, Unit};
+use crate::{cases, variables};
+
+/// A length in space, to a millimetre.
+const METRES: Unit = Unit::new("m", 3);
+
+variables! { pub(super) mod value;
+    /// The focal length of the cameras.
+    FOCAL: "Focal length", "f", WHOLE_PX;
+    /// The distance of the cameras.
+    BASELINE: "Baseline", "B", METRES;
+    /// The method that estimates a map, or the ground truth.
+    METHOD: "Method", "", Unit::WHOLE;
+    /// The share of the pixels with a disparity or a scene flow.
+    DENSITY: "Density", "", Unit::PERCENT;
+    /// The disparity of the pixel in frame t.
+    DISPARITY: "Disparity d", "d", Unit::PX, Role::Best;
+    /// The disparity minus that of points at infinity.
+    SHIFT: "", "", Unit::PX;
+    /// The depth Z = f B / d of the pixel.
+    DEPTH: "Depth", "Z", Unit::new("m", 2), Role::Result;
+    /// The optical flow of the pixel.
+    FLOW: "Flow (u, v)", "(u, v)", Unit::PX, Role::Measured;
+    /// The place of the point in frame t + 1.
+    TARGET: "Place in frame t + 1", "", Unit::PX;
+    /// The disparity in frame t + 1 at the place to which the flow leads.
+    NEXT_DISPARITY: "Disparity d′ there", "d'", Unit::PX, Role::Measured;
+    /// The distance of the pixel from the principal point along x.
+    OFFSET_X: "", "x - c_x", Unit::PX;
+    /// The distance of the pixel from the principal point along y.
+    OFFSET_Y: "", "y - c_y", Unit::PX;
+    /// The position of the point in frame t.
+    POSITION: "Position in frame t", r"\mathbf{P}", METRES, Role::Reference;
+    /// The position of the point in frame t + 1.
+    NEXT_POSITION: "Position in frame t + 1", r"\mathbf{P}'", METRES, Role::Measured;
+    /// The scene flow: the displacement of the point in space.
+    SCENE_FLOW: "Scene flow", r"\mathbf{V}", METRES, Role::Result;
+    /// The standard deviation of the scene flow along the depth.
+    SIGMA_Z: "σ along the depth", r"\sigma_V", METRES;
+    /// The number of points on which the motion of the cameras is estimated.
+    POINTS: "Points", "", Unit::count(""), Role::Error;
+    /// The number of points that determine a rigid motion.
+    FEWEST_POINTS: "Points needed", "", Unit::count("point"), Role::Error;
+    /// The number of samples drawn.
+    SAMPLES: "Samples", "", Unit::count("sample");
+    /// The number of samples that is enough with the best fit so far.
+    NEEDED: "Samples needed", "", Unit::count("sample");
+    /// The largest number of samples.
+    ALLOWED: "Samples allowed", "", Unit::count("sample");
+    /// The angle of the rotation.
+    ROTATION: "Rotation", "", Unit::new("°", 3);
+    /// The translation of the scene.
+    TRANSLATION: "Translation", r"\mathbf{t}", METRES;
+    /// The number of points that agree with the motion.
+    INLIERS: "Inliers", "", Unit::count("point"), Role::Best;
+    /// The largest reprojection error of an inlier.
+    THRESHOLD: "Threshold", "", Unit::PX;
+    /// The root mean square reprojection error of the inliers.
+    RMS: "Reprojection error (RMS)", "", Unit::SUBPIXEL;
+    /// The number of points that agree with the best motion so far.
+    BEST_INLIERS: "Inliers of the best so far", "", Unit::count("point");
+    /// The displacement of the cameras.
+    CAMERAS: "Motion of the cameras", "", METRES;
+    /// The share of the points that agree with the motion of the cameras.
+    AGREEING: "Agreeing points", "", Unit::PERCENT;
+    /// The position in frame t + 1 of a point at rest.
+    PREDICTION: "Prediction", r"\mathbf{R} \mathbf{P} + \mathbf{t}", METRES, Role::Predicted;
+    /// The motion that remains without that of the cameras.
+    REMAINDER: "Remaining motion", r"\mathbf{r}", METRES, Role::Error;
+    /// The length of the motion that remains without that of the cameras.
+    REMAINING: "Remaining motion", r"|\mathbf{r}|", METRES, Role::Error;
+    /// The squared Mahalanobis distance of the remaining motion.
+    DISTANCE: "Squared Mahalanobis distance", "d^2", Unit::FINE;
+    /// The squared Mahalanobis distance beyond which a pixel has a motion of its own.
+    GATE: "Gate", "", Unit::FINE;
+    /// The side of the square of the opening.
+    SIDE: "Side", "", WHOLE_PX;
+    /// The number of pixels beyond the gate.
+    BEYOND: "Beyond the gate", "", Unit::count("pixel");
+    /// The number of pixels that the opening keeps.
+    KEPT: "Kept", "", Unit::count("pixel"), Role::Result;
+    /// The share of the pixels with a motion of their own.
+    MOVING: "Moving", "", Unit::PERCENT;
+    /// The median error of the scene flow relative to the depth.
+    MEDIAN_ERROR: "Median error", "", Unit::new("%", 2);
+    /// The mean error of the scene flow.
+    MEAN_ERROR: "Mean error", "", METRES;
+    /// The error of the displacement of the camera.
+    CAMERA_ERROR: "Error of the camera", "", Unit::new("m", 4);
+}
+
+cases! { pub(super) over value, crate::methods::stereo::value;
+    NO_DEPTHS: "{error|The clip has no right view, so depths are not known and only the optical flow is estimated. Open a right \
+                view, or put measured depths into a folder depth beside the frames.}",
+    NOT_CALIBRATED: "{error|The cameras are not calibrated: disparities and flow are known, positions in metres are not. Open \
+                     their calibration, or type focal length and baseline.}",
+    NO_FOCAL_LENGTH: "{error|Depths are known, but not the focal length that positions need, so only the optical flow is \
+                      estimated. Type the calibration, focal length and a baseline: the baseline sets the assumed error of a \
+                      depth.}",
+    TWO_VIEWS: "Two views give a point its position: with focal length {focal} and baseline {baseline} the depth is Z = f B / d. \
+                The optical flow leads to the same point in frame t + 1, where its disparity gives the next position. The \
+                difference is the scene flow.",
+    DEPTH_SENSOR: "A depth and the focal length, {focal}, give a point its position. The optical flow leads to the same point in \
+                   frame t + 1, where the depth gives the next position. The difference is the scene flow. Depths are given as \
+                   disparities at a baseline of {baseline}, which sets their assumed error.",
+    DISPARITIES: "{method} has a disparity for {density} of the pixels of frame t.",
+    TRUTH_UNKNOWN: "{reference|Pixel} {pixel} has none: its true disparity is not known.",
+    NOT_SENSED: "{reference|Pixel} {pixel} has none: the sensor measured no depth there.",
+    NOT_MATCHED: "{reference|Pixel} {pixel} has none: it is ambiguous, or the right camera does not see it.",
+    MATCHED: "{reference|Pixel} {pixel}: d = {disparity}.",
+    AT_DEPTH: "{reference|Pixel} {pixel}: d = {disparity}, so its depth is Z = f B / d = {depth}.",
+    NEXT_TRUTH: "{method} has the disparity in frame t + 1 of the points at {density} of the pixels of frame t.",
+    NEXT_DISPARITIES: "{method} has a disparity for {density} of the pixels of frame t + 1. The flow leads from each point of \
+                       frame t to its disparity there.",
+    MOVES: "{reference|Pixel} {pixel} moves by (u, v) = {flow} to {target:bare} in frame t + 1 ({method}). Near the principal \
+            point a motion along the depth leaves hardly any flow; the change of the disparity measures it.",
+    NO_FLOW: "{reference|Pixel} {pixel} has no flow.",
+    ENDS: "{error|Without positions there is no scene flow, and the run ends here.}",
+    SKIP_DISPARITY: "{reference|Pixel} {pixel} has no disparity in frame t, so it has no scene flow.",
+    SKIP_FLOW: "{reference|Pixel} {pixel} has no flow, so it has no scene flow.",
+    SKIP_NEXT: "{reference|Pixel} {pixel} has no disparity in frame t + 1, or leaves the picture, so it has no scene flow.",
+    BOTH_DISPARITIES: "{reference|Pixel} {pixel}: disparity {disparity} in frame t, {next_disparity} in frame t + 1.",
+    WITHOUT_DEPTH: "Without the calibration of the cameras the change of the disparity is all that is known of the motion along \
+                    the depth.",
+    AT_INFINITY: "The point is at infinity, so it has no position.",
+    DISPLACED: "{reference|Pixel} {pixel} is at P = {position} in frame t and at P′ = {next_position} in frame t + 1. Scene flow \
+                V = P′ − P = {scene_flow}. Along the depth its standard deviation is {sigma_z}: the error of a depth grows with \
+                its square.",
+    TOO_FEW_POINTS: "{error|A rigid motion needs} {fewest_points} {error|with known positions in both frames, and the grid has} \
+                     {points}{error|. A smaller spacing gives more.}",
+    EGO_UNKNOWN: "{error|The motion of the cameras is not determined, so motions of its own are unknown.}",
+    NO_MOTION: "Sample {samples:bare}: its three points determine no rigid motion, as they lie on a line or one of them is \
+                wrong.",
+    SAMPLE: "Sample {samples:bare}: the rigid motion through {reference|three points} turns the scene by {rotation} and shifts \
+             it by {translation}. {inliers} agree with it to {threshold}",
+    BEST_OF_ALL: ": the best so far. All {allowed} that are allowed are drawn.",
+    BEST: ": the best so far, so {needed:bare} samples are enough to draw one without outliers with a probability of 99.9 %.",
+    WORSE: ", fewer or with larger errors than the {best_inliers:bare} of the best.",
+    REFITTED: "Gauss–Newton steps over all inliers of the best sample: RMS reprojection error {rms}, {inliers:bare} inliers. \
+               More points than three average their noise.",
+    CONVERGED: "Another round over the inliers does not lower the cost, so the fit has converged.",
+    NO_REFIT: "The inliers determine no better fit, so that of the sample is kept.",
+    EGO: "The cameras moved by {cameras} and turned by {rotation}; {agreeing} of the points agree.",
+    MINORITY: "Less than half of the points agree, so it may be the motion of a large object instead.",
+    NOT_JUDGED: "{reference|Pixel} {pixel} has no scene flow, so it is not judged.",
+    WITHOUT_EGO: "{reference|Pixel} {pixel}: without the motion of the cameras, a motion of its own cannot be distinguished from \
+                  theirs.",
+    REMAINS: "{reference|Pixel} {pixel}: the motion of the cameras predicts R P + t = {prediction}. r = P′ − (R P + t) = \
+              {remainder} remains. Squared Mahalanobis distance {distance} against a gate of {gate}:",
+    AGAINST_MINORITY: "the pixel does not move with the points that determine the motion of the cameras. They are less than half \
+                       of all, so either may be at rest.",
+    OWN_MOTION: "{result|the pixel has a motion of its own}.",
+    AT_REST: "consistent with a point at rest. A motion smaller than its uncertainty would not be detected.",
+    NOT_OPENED: "{kept:bare} of {beyond} keep a motion of their own, as the opening has a radius of 0 px.",
+    OPENED: "Opening with a {side:bare}×{side:bare} square keeps {kept:bare} of {beyond} with a motion of their own. Groups \
+             narrower than the square are mostly errors at depth edges.",
+    KNOWN: "{density} of the pixels have a scene flow",
+    DOUBTFUL: ". Less than half of the points agree with the motion of the cameras, so it cannot be told which pixels have a \
+               motion of their own.",
+    SOME_MOVE: "; {moving} have a motion of their own.",
+    NONE_MOVES: "; none has a significant motion of its own.",
+    STOP: ".",
+    ERRORS: "Against the truth: median error {median_error} of the depth. The mean, {mean_error}, is dominated by far points and \
+             depth edges.",
+    CAMERA_ERROR: "The displacement of the camera is wrong by {camera_error}.",
+}
 
 /// Ranges of depth in the plot of errors.
 const RANGES: usize = 12;
 
-/// A vector in m as text, to a millimetre.
-fn metres(vector: [f64; 3]) -> String {
-    let [x, y, z] = vector.map(|c| fixed(c, 3));
-    format!("({x}, {y}, {z}) m")
-}
-
 fn length(vector: [f64; 3]) -> f64 {
     vector.iter().map(|c| c * c).sum::<f64>().sqrt()
-}
-
-fn px2([x, y]: [f64; 2]) -> String {
-    format!("({}, {})", fixed(x, 2), fixed(y, 2))
-}
-
-fn degrees(pose: &Pose) -> String {
-    format!("{}°", fixed(pose.angle_rad().to_degrees(), 3))
 }
 
 /// The pixel that a step explains, with the field of the run so far.
@@ -44,16 +194,11 @@ struct Shown {
 }
 
 impl Shown {
-    fn named(&self) -> Sentence {
-        Sentence::default().ink(Role::Reference, format!("Pixel {}", words::pixel(self.pixel)))
-    }
-
-    fn measured(&self) -> Option<Measured> {
-        self.field.measured(self.pixel)
-    }
-
-    fn motion(&self) -> Option<SpaceMotion> {
-        self.field.motion(self.pixel)
+    /// A step with what is known of the pixel so far.
+    fn step(&self, line: Name) -> Step {
+        let (x, y) = self.pixel;
+        let step = Step::at(line).fact(PIXEL, self.pixel).fact_if(value::DISPARITY, self.field.disparity.at(x, y));
+        step.fact_if(value::FLOW, self.field.flow.at(x, y))
     }
 }
 
@@ -79,88 +224,40 @@ impl SceneFlow {
     }
 
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
-        let Some(event) = seen.events.last() else { return Self::starting(seen) };
+        let Some(event) = seen.events.last() else { return starting(seen) };
         let shown = self.shown(seen);
-        let mut step = match event {
+        let step = match event {
             Event::Whole(Part::Disparity) => self.told_disparity(&shown, seen),
-            Event::Whole(Part::NextDisparity) => self.told_next(seen),
+            Event::Whole(Part::NextDisparity) => self.told_next(&shown, seen),
             Event::Whole(_) => self.told_flow(&shown, seen),
-            Event::Row(Part::Positions, _) => self.told_position(&shown),
+            Event::Row(Part::Positions, _) => told_position(&shown),
             Event::Row(..) => self.told_own(&shown),
             Event::Opened(counts) => self.told_opening(&shown, *counts, seen.point().is_some()),
-            Event::Draw(draw) => self.told_draw(seen, draw),
-            Event::NoEgo => Self::told_no_ego(seen),
+            Event::Draw(draw) => self.told_draw(&shown, seen, draw),
+            Event::NoEgo if seen.before.consensus.is_some() => shown.step(line::OWN).say(case::EGO_UNKNOWN),
+            Event::NoEgo => {
+                let points = seen.after.unwrap_or(seen.before).points.len();
+                shown
+                    .step(line::SAMPLE)
+                    .put(value::FEWEST_POINTS, FEWEST)
+                    .put(value::POINTS, points)
+                    .say(case::TOO_FEW_POINTS)
+            }
         };
-        if !step.readouts.iter().any(|readout| matches!(readout, Readout::Facts(_))) {
-            step.readouts.insert(0, Readout::Facts(known_facts(&shown)));
-        }
-        let is_over = seen.after.is_some_and(|after| after.done == self.parts(&after.fixed).len());
-        if is_over && seen.point().is_none() {
-            step.sentence = step.sentence.text(self.concluded(seen, &shown.field));
-            step.readouts.extend(self.error_plot(seen, &shown.field));
-        }
+        let step = match seen.point() {
+            None if self.is_over(seen) => {
+                let step = concluded(step, seen, &shown.field);
+                step.show_all(self.error_plot(seen, &shown.field))
+            }
+            _ => step,
+        };
         let has_depths = shown.field.disparity.0.cells().iter().any(|d| d.is_finite());
         let has_positions = shown.field.calibration.is_some() && has_depths;
-        if has_positions {
-            step.readouts.push(Readout::Cloud(space::cloud(shown.field, shown.pixel)));
-        }
-        step
+        step.show_all(has_positions.then(|| Readout::Cloud(space::cloud(shown.field, shown.pixel))))
     }
 
-    fn told_no_ego(seen: &Seen<Self>) -> Step {
-        let state = seen.after.unwrap_or(seen.before);
-        let (line, why) = match (seen.before.consensus.is_some(), state.points.len()) {
-            (true, _) => (
-                line::OWN,
-                "The motion of the cameras is not determined, so motions of its own are unknown.".to_owned(),
-            ),
-            (false, count) => (
-                line::SAMPLE,
-                format!(
-                    "A rigid motion needs {FEWEST} points with known positions in both frames, and the grid has {count}. A smaller spacing gives more."
-                ),
-            ),
-        };
-        Step { line, sentence: Sentence::default().ink(Role::Error, why), readouts: Vec::new() }
-    }
-
-    fn starting(seen: &Seen<Self>) -> Step {
-        let state = seen.before;
-        let said = Sentence::default();
-        let sentence = match (state.fixed.depths, state.fixed.calibration) {
-            (Depths::Unknown, _) => said.ink(
-                Role::Error,
-                "The clip has no right view, so depths are not known and only the optical flow is estimated. Open a right view, or put \
-                 measured depths into a folder depth beside the frames.",
-            ),
-            (Depths::Stereo, None) => said.ink(
-                Role::Error,
-                "The cameras are not calibrated: disparities and flow are known, positions in metres are not. Open their calibration, or type focal \
-                 length and baseline.",
-            ),
-            (Depths::Sensor, None) => said.ink(
-                Role::Error,
-                "Depths are known, but not the focal length that positions need, so only the optical flow is estimated. Type the calibration, focal \
-                 length and a baseline: the baseline sets the assumed error of a depth.",
-            ),
-            (Depths::Stereo, Some(rig)) => said.text(format!(
-                "Two views give a point its position: with focal length {} px and baseline {} m the depth is Z = f B / d. The optical flow \
-                 leads to the same point in frame t + 1, where its disparity gives the next position. The difference is the scene flow.",
-                fixed(rig.focal_px, 0),
-                fixed(rig.baseline_m, 3)
-            )),
-            (Depths::Sensor, Some(rig)) => said.text(format!(
-                "A depth and the focal length, {} px, give a point its position. The optical flow leads to the same point in frame t + 1, where the \
-                 depth gives the next position. The difference is the scene flow. Depths are given as disparities at a baseline of {} m, which sets their assumed error.",
-                fixed(rig.focal_px, 0),
-                fixed(rig.baseline_m, 3)
-            )),
-        };
-        let sentence = match swapped(seen) {
-            Some(warning) => sentence.ink(Role::Error, format!(" The views are {warning}.")),
-            None => sentence,
-        };
-        Step { line: line::TAKE_VIEWS, sentence, readouts: Vec::new() }
+    fn is_over(&self, seen: &Seen<Self>) -> bool {
+        seen.after.is_some_and(|after| after.done == self.parts(&after.fixed).len())
     }
 
     fn method(&self, name: &'static str) -> &'static str {
@@ -176,297 +273,119 @@ impl SceneFlow {
     }
 
     fn told_disparity(&self, shown: &Shown, seen: &Seen<Self>) -> Step {
-        let field = &shown.field;
-        let known = field.disparity.known() as f64 / field.picture.luma().cells().len() as f64;
-        let name = self.depths_of(seen);
-        let said = Sentence::default()
-            .text(format!("{name} has a disparity for {} of the pixels of frame t. ", percent(known)));
-        let (x, y) = shown.pixel;
-        let said = joined(said, shown.named());
-        let sentence = match field.disparity.at(x, y) {
-            None => said.text(match (self.source, seen.before.fixed.depths) {
-                (Source::Truth, _) => " has none: its true disparity is not known.",
-                (_, Depths::Sensor) => " has none: the sensor measured no depth there.",
-                _ => " has none: it is ambiguous, or the right camera does not see it.",
-            }),
-            Some(d) => {
-                let said = said.text(": ").ink(Role::Best, format!("d = {} px", fixed(d.into(), 2)));
-                match field.calibration.and_then(|rig| rig.depth_m(d.into())) {
-                    Some(depth) => said.text(format!(", so its depth is Z = f B / d = {} m.", fixed(depth, 2))),
-                    None => said.text("."),
-                }
-            }
+        let (field, (x, y)) = (&shown.field, shown.pixel);
+        let density = 100.0 * field.disparity.known() as f64 / field.picture.luma().cells().len() as f64;
+        let step = shown.step(line::DISPARITY).put(value::METHOD, self.depths_of(seen)).put(value::DENSITY, density);
+        let step = step.say(case::DISPARITIES).formula(r"Z = \frac{f \, B}{d}");
+        let Some(d) = field.disparity.at(x, y).map(f64::from) else {
+            return step.say(match (self.source, seen.before.fixed.depths) {
+                (Source::Truth, _) => case::TRUTH_UNKNOWN,
+                (_, Depths::Sensor) => case::NOT_SENSED,
+                _ => case::NOT_MATCHED,
+            });
         };
-        Step { line: line::DISPARITY, sentence, readouts: vec![self.depth_equation(shown)] }
+        let Some((rig, depth)) = field.calibration.and_then(|rig| Some((rig, rig.depth_m(d)?))) else {
+            return step.say(case::MATCHED);
+        };
+        let step = step.put(value::DEPTH, depth).put(value::SHIFT, d + rig.offset_px).say(case::AT_DEPTH);
+        rigged(step, &rig).formula(r"Z = \frac{{focal:unit} \cdot {baseline:unit}}{{shift:unit}} = {depth:unit}")
     }
 
-    fn depth_equation(&self, shown: &Shown) -> Readout {
-        let formula = Math::Row(vec![
-            Math::Var("Z"),
-            Math::text(" = "),
-            Math::over(Math::Row(vec![Math::Var("f"), Math::text(" "), Math::Var("B")]), Math::Var("d")),
-        ]);
-        let numbers = || {
-            let (x, y) = shown.pixel;
-            let (d, rig) = (f64::from(shown.field.disparity.at(x, y)?), shown.field.calibration?);
-            let depth = rig.depth_m(d)?;
-            Some(Math::Row(vec![
-                Math::Var("Z"),
-                Math::text(" = "),
-                Math::over(
-                    Math::text(format!("{} px · {} m", fixed(rig.focal_px, 0), fixed(rig.baseline_m, 3))),
-                    Math::text(format!("{} px", fixed(d + rig.offset_px, 2))),
-                ),
-                Math::text(" = "),
-                Math::ink(Role::Result, format!("{} m", fixed(depth, 2))),
-            ]))
-        };
-        Readout::Equation([formula].into_iter().chain(numbers()).collect())
-    }
-
-    fn told_next(&self, seen: &Seen<Self>) -> Step {
+    fn told_next(&self, shown: &Shown, seen: &Seen<Self>) -> Step {
         let map = seen.after.and_then(|after| after.next.as_ref());
         let known = map.map_or(0.0, |map| map.known() as f64 / map.0.cells().len().max(1) as f64);
-        let name = self.depths_of(seen);
-        let sentence = Sentence::default().text(match self.source {
-            Source::Truth => {
-                format!("{name} has the disparity in frame t + 1 of the points at {} of the pixels of frame t.", percent(known))
-            }
-            Source::Estimated => format!(
-                "{name} has a disparity for {} of the pixels of frame t + 1. The flow leads from each point of frame t to its disparity there.",
-                percent(known)
-            ),
-        });
-        Step { line: line::NEXT_DISPARITY, sentence, readouts: Vec::new() }
+        let step = shown.step(line::NEXT_DISPARITY).put(value::METHOD, self.depths_of(seen));
+        step.put(value::DENSITY, 100.0 * known).say(match self.source {
+            Source::Truth => case::NEXT_TRUTH,
+            Source::Estimated => case::NEXT_DISPARITIES,
+        })
     }
 
     fn told_flow(&self, shown: &Shown, seen: &Seen<Self>) -> Step {
+        let (x, y) = shown.pixel;
         let name = self.method(self.flow.estimator().info().name);
-        let (x, y) = shown.pixel;
-        let said = shown.named();
-        let sentence = match shown.field.flow.at(x, y) {
-            Some([u, v]) => said
-                .text(" moves by ")
-                .ink(Role::Result, format!("(u, v) = {} px", px2([u.into(), v.into()])))
-                .text(format!(
-                    " to {} in frame t + 1 ({name}). Near the principal point a motion along the depth leaves hardly any flow; the change of \
-                     the disparity measures it.",
-                    px2([x as f64 + f64::from(u), y as f64 + f64::from(v)])
-                )),
-            None => said.text(" has no flow."),
+        let step = shown.step(line::FLOW).put(value::METHOD, name);
+        let step = match shown.field.flow.at(x, y) {
+            Some([u, v]) => step.put(value::TARGET, [x as f32 + u, y as f32 + v]).say(case::MOVES),
+            None => step.say(case::NO_FLOW),
         };
-        let ends_here = seen.after.is_some_and(|after| after.done == self.parts(&after.fixed).len());
-        let sentence = match ends_here {
-            false => sentence,
-            true => sentence.ink(Role::Error, " Without positions there is no scene flow, and the run ends here."),
-        };
-        Step { line: line::FLOW, sentence, readouts: Vec::new() }
+        step.say_if(self.is_over(seen), case::ENDS)
     }
 
-    fn told_position(&self, shown: &Shown) -> Step {
-        let (x, y) = shown.pixel;
-        let Some(measured) = shown.measured() else {
-            let why = match (shown.field.disparity.at(x, y), shown.field.flow.at(x, y)) {
-                (None, _) => "has no disparity in frame t",
-                (_, None) => "has no flow",
-                _ => "has no disparity in frame t + 1, or leaves the picture",
-            };
-            let sentence = shown.named().text(format!(" {why}, so it has no scene flow."));
-            return Step { line: line::SKIP, sentence, readouts: Vec::new() };
+    fn told_draw(&self, shown: &Shown, seen: &Seen<Self>, draw: &Draw) -> Step {
+        let step = Step::at(if draw.sample.is_some() { line::SAMPLE } else { line::REFIT });
+        let step = step.fact(value::SAMPLES, draw.drawn).fact(value::NEEDED, draw.needed);
+        let step = step.fact_if(value::INLIERS, draw.fit.map(|fit| fit.score.inliers));
+        let step = step.fact_if(value::RMS, draw.fit.map(|fit| fit.rms_px()));
+        let step = step.fact_if(value::BEST_INLIERS, draw.best.map(|best| best.score.inliers));
+        let step = match (draw.sample, draw.fit) {
+            (Some(_), Some(fit)) => self.told_sample(step, draw, &fit),
+            (Some(_), None) => step.say(case::NO_MOTION),
+            (None, Some(_)) if draw.fit == draw.best => step.say(case::REFITTED),
+            (None, Some(_)) => step.say(case::CONVERGED),
+            (None, None) => step.say(case::NO_REFIT),
         };
-        let facts = measured_facts(shown.pixel, &measured);
-        let Some(motion) = shown.motion() else {
-            let why = match shown.field.calibration {
-                None => {
-                    "Without the calibration of the cameras the change of the disparity is all that is known of the motion along the depth."
-                }
-                Some(_) => "The point is at infinity, so it has no position.",
-            };
-            let sentence = shown.named().text(format!(
-                ": disparity {} px in frame t, {} px in frame t + 1. {why}",
-                fixed(measured.disparity, 2),
-                fixed(measured.next_disparity, 2)
-            ));
-            return Step { line: line::TRIANGULATE, sentence, readouts: vec![Readout::Facts(facts)] };
-        };
-        let covariance = motion.covariance(&Pose::IDENTITY, &shown.field.sigma);
-        let sigmas = [0, 1, 2].map(|i| covariance[i][i].sqrt());
-        let sentence = shown
-            .named()
-            .text(format!(
-                " is at P = {} in frame t and at P′ = {} in frame t + 1. Scene flow ",
-                metres(motion.from),
-                metres(motion.to)
-            ))
-            .ink(Role::Result, format!("V = P′ − P = {}", metres(motion.displacement())))
-            .text(format!(
-                ". Along the depth its standard deviation is {} m: the error of a depth grows with its square.",
-                fixed(sigmas[2], 3)
-            ));
-        let matrices = vec![
-            vector("P", "position in frame t, in m", motion.from, Some(Role::Reference)),
-            vector("P′", "position in frame t + 1, in m", motion.to, Some(Role::Measured)),
-            vector("V", "scene flow, in m", motion.displacement(), Some(Role::Result)),
-            square("Σ", "covariance of the scene flow, in m²", covariance),
-        ];
-        let readouts = vec![
-            Readout::Facts(facts),
-            Readout::Equation(triangulation(&measured, shown.field.calibration.as_ref(), &motion)),
-            Readout::Matrices(matrices),
-        ];
-        Step { line: line::TRIANGULATE, sentence, readouts }
-    }
-
-    fn told_draw(&self, seen: &Seen<Self>, draw: &Draw) -> Step {
-        let sentence = match (draw.sample, draw.fit) {
-            (Some(_), fit) => sample_told(draw, fit, &self.ego),
-            (None, Some(fit)) if draw.fit == draw.best => Sentence::default()
-                .text("Gauss–Newton steps over all inliers of the best sample: RMS reprojection error ")
-                .ink(Role::Result, format!("{} px", fixed(fit.rms_px(), 3)))
-                .text(format!(", {} inliers. More points than three average their noise.", grouped(fit.score.inliers))),
-            (None, Some(_)) => Sentence::default()
-                .text("Another round over the inliers does not lower the cost, so the fit has converged."),
-            (None, None) => {
-                Sentence::default().text("The inliers determine no better fit, so that of the sample is kept.")
+        let step = match shown.field.ego.filter(|_| seen.after.is_some()) {
+            Some(ego) => {
+                let agreeing = 100.0 * ego.inliers as f64 / ego.points.max(1) as f64;
+                let step = step.put(value::CAMERAS, ego.camera_m()).put(value::AGREEING, agreeing);
+                let step = step.put(value::ROTATION, ego.pose.angle_rad().to_degrees()).say(case::EGO);
+                step.say_if(!ego.is_of_majority(), case::MINORITY)
             }
+            None => step,
         };
-        let told = draw.best.map(|best| self.ego_told(seen, &best)).filter(|_| seen.after.is_some());
-        let sentence = match told {
-            Some(told) => sentence.text(told),
-            None => sentence,
-        };
-        let mut readouts = vec![Readout::Facts(draw_facts(draw))];
-        readouts.push(Readout::Equation(reprojection()));
+        let step = step.formula(
+            r"E(R, t) = \sum_i (x' - \hat{x})^2 + (y' - \hat{y})^2 + (d' - \hat{d})^2, \quad
+              (\hat{x}, \hat{y}, \hat{d}) = \text{projection of } R \, P + t",
+        );
         let pose = if draw.sample.is_some() { draw.fit } else { draw.best }.map(|fit| fit.pose);
-        readouts.extend(pose.map(|pose| {
-            let mut matrices = vec![
-                square("R", "rotation of the scene", pose.rotation).with_decimals(4),
-                vector("t", "translation of the scene, in m", pose.translation, Some(Role::Result)),
-            ];
-            let covariance = seen.after.and_then(|after| after.consensus.as_ref()?.covariance);
-            matrices.extend(covariance.map(|all| Matrix {
-                entries: Grid::from_fn(3, 3, |x, y| all[3 + y][3 + x]),
-                ..square("C", "covariance of t, in m²", [[0.0; 3]; 3])
-            }));
-            Readout::Matrices(matrices)
-        }));
-        readouts.push(history(seen.events));
-        let line = if draw.sample.is_some() { line::SAMPLE } else { line::REFIT };
-        Step { line, sentence, readouts }
+        let covariance = seen.after.and_then(|after| after.consensus.as_ref()?.covariance);
+        step.show_all(pose.map(|pose| motion_matrices(&pose, covariance))).show(history(seen.events))
     }
 
-    /// What the motion of the cameras is, at the end of its estimation.
-    fn ego_told(&self, seen: &Seen<Self>, best: &Fit) -> String {
-        let camera = best.pose.inverse().translation;
-        let points = seen.after.map_or(0, |after| after.points.len());
-        let share = best.score.inliers as f64 / points.max(1) as f64;
-        let doubt = if share < 0.5 {
-            " Less than half of the points agree, so it may be the motion of a large object instead."
-        } else {
-            ""
-        };
-        format!(
-            " The cameras moved by {} and turned by {}; {} of the points agree.{doubt}",
-            metres(camera),
-            degrees(&best.pose),
-            percent(share)
-        )
+    /// Tells the rigid motion of a sample, and how it compares with the best.
+    fn told_sample(&self, step: Step, draw: &Draw, fit: &Fit) -> Step {
+        let step = step.put(value::ROTATION, fit.pose.angle_rad().to_degrees());
+        let step = step.put(value::TRANSLATION, fit.pose.translation).put(value::THRESHOLD, self.ego.threshold);
+        let step = step.put(value::ALLOWED, self.ego.iterations).say(case::SAMPLE);
+        step.say(match draw.best {
+            Some(best) if best == *fit && draw.needed == self.ego.iterations => case::BEST_OF_ALL,
+            Some(best) if best == *fit => case::BEST,
+            Some(_) => case::WORSE,
+            None => case::STOP,
+        })
     }
 
     fn told_own(&self, shown: &Shown) -> Step {
-        let Some(motion) = shown.motion() else {
-            let sentence = shown.named().text(" has no scene flow, so it is not judged.");
-            return Step { line: line::SKIP, sentence, readouts: Vec::new() };
+        let (Some(motion), field) = (shown.field.motion(shown.pixel), &shown.field) else {
+            return shown.step(line::SKIP).say(case::NOT_JUDGED);
         };
-        let Some(ego) = shown.field.ego else {
-            let sentence = shown
-                .named()
-                .text(": without the motion of the cameras, a motion of its own cannot be distinguished from theirs.");
-            return Step { line: line::OWN, sentence, readouts: Vec::new() };
+        let (Some(ego), Some(distance)) = (field.ego, self.own_squared(field, shown.pixel)) else {
+            return shown.step(line::OWN).say(case::WITHOUT_EGO);
         };
-        let (own, covariance) = (motion.own(&ego.pose), motion.covariance(&ego.pose, &shown.field.sigma));
-        let distance = mahalanobis_squared(own, &covariance);
-        let is_beyond = distance > f64::from(self.gate);
-        let said = shown
-            .named()
-            .text(format!(": the motion of the cameras predicts R P + t = {}. ", metres(ego.pose.moved(motion.from))))
-            .ink(Role::Error, format!("r = P′ − (R P + t) = {}", metres(own)))
-            .text(" remains. ");
-        let gate = fixed(self.gate.into(), 2);
-        let said = said.text(format!("Squared Mahalanobis distance {} against a gate of {gate}: ", squared(distance)));
-        let sentence = match is_beyond {
-            true if !ego.is_of_majority() => said
-                .text("the pixel does not move with the points that determine the motion of the cameras. They are less than half of all, so either may be at rest."),
-            true => said.ink(Role::Result, "the pixel has a motion of its own").text("."),
-            false => said
-                .text("consistent with a point at rest. A motion smaller than its uncertainty would not be detected."),
-        };
-        let matrices = vec![
+        let (own, prediction) = (motion.own(&ego.pose), ego.pose.moved(motion.from));
+        let step = Step::at(line::OWN).fact(PIXEL, shown.pixel).fact(value::REMAINING, length(own));
+        let step = step.fact(value::DISTANCE, distance).fact(value::GATE, self.gate);
+        let step = step.put(value::PREDICTION, prediction).put(value::REMAINDER, own).say(case::REMAINS);
+        let step = step.say(match self.is_beyond(distance) {
+            true if !ego.is_of_majority() => case::AGAINST_MINORITY,
+            true => case::OWN_MOTION,
+            false => case::AT_REST,
+        });
+        step.show(Readout::Matrices(vec![
             vector("P′", "position in frame t + 1, in m", motion.to, Some(Role::Measured)),
-            vector("RP+t", "prediction for a point at rest, in m", ego.pose.moved(motion.from), Some(Role::Predicted)),
+            vector("RP+t", "prediction for a point at rest, in m", prediction, Some(Role::Predicted)),
             vector("r", "remaining motion, in m", own, Some(Role::Error)),
-            square("Σ", "covariance of r, in m²", covariance),
-        ];
-        let facts = vec![
-            Fact::new("Pixel", words::pixel(shown.pixel), Some(Role::Reference)),
-            Fact::new("Remaining motion", format!("{} m", fixed(length(own), 3)), Some(Role::Error)),
-            Fact::new("Squared Mahalanobis distance", squared(distance), None),
-            Fact::new("Gate", gate, None),
-        ];
-        Step { line: line::OWN, sentence, readouts: vec![Readout::Facts(facts), Readout::Matrices(matrices)] }
+            square("Σ", "covariance of r, in m²", motion.covariance(&ego.pose, &field.sigma)),
+        ]))
     }
 
     fn told_opening(&self, shown: &Shown, [before, after]: [u32; 2], is_pointed: bool) -> Step {
-        let kept = format!("{} of {} pixels", grouped(after as usize), grouped(before as usize));
-        let sentence = match self.opening {
-            0 => Sentence::default()
-                .ink(Role::Result, kept)
-                .text(" keep a motion of their own, as the opening has a radius of 0 px."),
-            radius => Sentence::default()
-                .text(format!("Opening with a {0}×{0} square keeps ", 2 * radius + 1))
-                .ink(Role::Result, kept)
-                .text(" with a motion of their own. Groups narrower than the square are mostly errors at depth edges."),
-        };
         // A pixel pointed at keeps its numbers.
-        let readouts = if is_pointed { self.told_own(shown).readouts } else { Vec::new() };
-        Step { line: line::OPEN, sentence, readouts }
-    }
-
-    /// What the run comes to.
-    fn concluded(&self, seen: &Seen<Self>, field: &SceneFlowField) -> String {
-        let all = field.picture.luma().cells().len().max(1) as f64;
-        let mut told = swapped(seen).map_or_else(String::new, |warning| format!(" The views are {warning}."));
-        told += &format!(" {} of the pixels have a scene flow", percent(field.known() as f64 / all));
-        let is_doubtful = field.ego.is_some_and(|ego| !ego.is_of_majority());
-        told += &match &field.moving {
-            Some(_) if is_doubtful => {
-                ". Less than half of the points agree with the motion of the cameras, so it cannot be \
-                                       told which pixels have a motion of their own."
-                    .to_owned()
-            }
-            Some(moving) if moving.count() > 0 => {
-                format!("; {} have a motion of their own.", percent(moving.count() as f64 / all))
-            }
-            Some(_) => "; none has a significant motion of its own.".to_owned(),
-            None if field.calibration.is_some() => {
-                ". The motion of the cameras is not determined, so motions of its own are unknown.".to_owned()
-            }
-            None => ".".to_owned(),
-        };
-        let reference = Reference { clip: seen.clip, frame: seen.before.fixed.frame };
-        // Truth that cannot be read is reported where the product is assessed.
-        let error = scene_flow_error(field, &reference).unwrap_or_default();
-        if let (Some(epe), Some(median)) = (error.epe_m, error.median_percent) {
-            told += &format!(
-                " Against the truth: median error {} % of the depth. The mean, {} m, is dominated by far points and depth edges.",
-                fixed(median, 2),
-                fixed(epe, 3)
-            );
-        }
-        if let Some([_, off]) = error.ego {
-            told += &format!(" The displacement of the camera is wrong by {} m.", fixed(off, 4));
-        }
-        told
+        let step = if is_pointed { self.told_own(shown) } else { shown.step(line::OPEN) };
+        let step = Step { line: line::OPEN, sentence: Sentence::default(), ..step };
+        let step = step.put(value::BEYOND, before).put(value::KEPT, after).put(value::SIDE, 2 * self.opening + 1);
+        step.say(if self.opening == 0 { case::NOT_OPENED } else { case::OPENED })
     }
 
     /// The error along the depth, by theory and against the truth.
@@ -491,143 +410,111 @@ impl SceneFlow {
     }
 }
 
+/// What the estimator needs and does, or what is missing.
+fn starting(seen: &Seen<SceneFlow>) -> Step {
+    let (depths, rig) = (seen.before.fixed.depths, seen.before.fixed.calibration);
+    let step = Step::at(line::TAKE_VIEWS);
+    let step = if let Some(rig) = rig { rigged(step, &rig) } else { step };
+    let step = step.say(match (depths, rig) {
+        (Depths::Unknown, _) => case::NO_DEPTHS,
+        (Depths::Stereo, None) => case::NOT_CALIBRATED,
+        (Depths::Sensor, None) => case::NO_FOCAL_LENGTH,
+        (Depths::Stereo, Some(_)) => case::TWO_VIEWS,
+        (Depths::Sensor, Some(_)) => case::DEPTH_SENSOR,
+    });
+    warned(step, swapped(seen))
+}
+
+/// Puts focal length and baseline.
+fn rigged(step: Step, rig: &Calibration) -> Step {
+    step.put(value::FOCAL, rig.focal_px).put(value::BASELINE, rig.baseline_m)
+}
+
 /// The warning about views that seem to be swapped or not rectified, if there is one.
 fn swapped(seen: &Seen<SceneFlow>) -> Option<String> {
     let fixed = &seen.before.fixed;
     let views = (fixed.depths == Depths::Stereo).then(|| Views::new(seen.clip, fixed.frame).ok()).flatten()?;
-    views.signs(Settings::default().disparities).warning()
+    views.warning(Settings::default().disparities)
 }
 
-fn joined(mut first: Sentence, second: Sentence) -> Sentence {
-    first.0.extend(second.0);
-    first
-}
-
-/// What is known of a pixel so far.
-fn known_facts(shown: &Shown) -> Vec<Fact> {
-    let (x, y) = shown.pixel;
-    let length = |value: f32| format!("{} px", fixed(value.into(), 2));
-    let mut facts = vec![Fact::new("Pixel", words::pixel(shown.pixel), Some(Role::Reference))];
-    let disparity = shown.field.disparity.at(x, y);
-    facts.extend(disparity.map(|d| Fact::new("Disparity d", length(d), Some(Role::Best))));
-    let flow = shown.field.flow.at(x, y);
-    facts.extend(
-        flow.map(|uv| Fact::new("Flow (u, v)", format!("{} px", px2(uv.map(f64::from))), Some(Role::Measured))),
-    );
-    facts
-}
-
-fn measured_facts(pixel: (usize, usize), measured: &Measured) -> Vec<Fact> {
-    vec![
-        Fact::new("Pixel", words::pixel(pixel), Some(Role::Reference)),
-        Fact::new("Disparity d", format!("{} px", fixed(measured.disparity, 2)), Some(Role::Best)),
-        Fact::new("Flow (u, v)", format!("{} px", px2(measured.flow)), Some(Role::Measured)),
-        Fact::new("Disparity d′ there", format!("{} px", fixed(measured.next_disparity, 2)), Some(Role::Measured)),
-    ]
-}
-
-/// Both triangulations, in formulas and numbers.
-fn triangulation(measured: &Measured, rig: Option<&Calibration>, motion: &SpaceMotion) -> Vec<Math> {
-    let Some(rig) = rig else { return Vec::new() };
-    let formula = Math::Row(vec![
-        Math::Bold("P"),
-        Math::text(" = "),
-        Math::over(Math::Var("B"), Math::Var("d")),
-        Math::text(" (x − "),
-        Math::indexed(Math::Var("c"), Math::Var("x")),
-        Math::text(", y − "),
-        Math::indexed(Math::Var("c"), Math::Var("y")),
-        Math::text(", f)"),
-    ]);
-    let line = |name: &'static str, role, [x, y]: [f64; 2], d: f64, at: [f64; 3]| {
-        let [cx, cy] = rig.principal_px;
-        Math::Row(vec![
-            Math::Bold(name),
-            Math::text(" = "),
-            Math::over(
-                Math::text(format!("{} m", fixed(rig.baseline_m, 3))),
-                Math::text(format!("{} px", fixed(d + rig.offset_px, 2))),
-            ),
-            Math::text(format!(" ({}, {}, {}) px = ", fixed(x - cx, 2), fixed(y - cy, 2), fixed(rig.focal_px, 0))),
-            Math::ink(role, metres(at)),
-        ])
-    };
-    vec![
-        formula,
-        line("P", Role::Reference, measured.pixel, measured.disparity, motion.from),
-        line("P′", Role::Measured, measured.next_pixel(), measured.next_disparity, motion.to),
-        sigma_along_depth(),
-    ]
-}
-
-/// The standard deviation of the scene flow along the depth, from that of a disparity.
-fn sigma_along_depth() -> Math {
-    let sigma = |index| Math::indexed(Math::Var("σ"), Math::Var(index));
-    let both = Math::Row(vec![Math::squared(sigma("Z")), Math::text(" + "), Math::squared(sigma("Z′"))]);
-    let one = Math::over(
-        Math::Row(vec![Math::squared(Math::Var("Z")), Math::text(" "), sigma("d")]),
-        Math::Row(vec![Math::Var("f"), Math::text(" "), Math::Var("B")]),
-    );
-    Math::Row(vec![
-        sigma("V"),
-        Math::text(" = "),
-        Math::root(both),
-        Math::text(", "),
-        sigma("Z"),
-        Math::text(" = "),
-        one,
-    ])
-}
-
-fn reprojection() -> Vec<Math> {
-    let sum = Math::Row(vec![
-        Math::text("E(R, t) = "),
-        Math::Sum(Box::new(Math::Var("i"))),
-        Math::text("(x′ − x̂)² + (y′ − ŷ)² + (d′ − d̂)²,   (x̂, ŷ, d̂) = projection of R P + t"),
-    ]);
-    vec![sum]
-}
-
-fn sample_told(draw: &Draw, fit: Option<Fit>, settings: &EgoSettings) -> Sentence {
-    let said = Sentence::default();
-    let Some(fit) = fit else {
-        return said.text(format!(
-            "Sample {}: its three points determine no rigid motion, as they lie on a line or one of them is wrong.",
-            grouped(draw.drawn)
-        ));
-    };
-    let said = said
-        .text(format!("Sample {}: the rigid motion through ", grouped(draw.drawn)))
-        .ink(Role::Reference, "three points")
-        .text(format!(" turns the scene by {} and shifts it by {}. ", degrees(&fit.pose), metres(fit.pose.translation)))
-        .ink(Role::Best, format!("{} points", grouped(fit.score.inliers)))
-        .text(format!(" agree with it to {} px", fixed(settings.threshold.into(), 2)));
-    match draw.best {
-        Some(best) if best == fit && draw.needed == settings.iterations => said.text(format!(
-            ": the best so far. All {} samples that are allowed are drawn.",
-            grouped(settings.iterations)
-        )),
-        Some(best) if best == fit => said.text(format!(
-            ": the best so far, so {} samples are enough to draw one without outliers with a probability of 99.9 %.",
-            grouped(draw.needed)
-        )),
-        Some(best) => {
-            said.text(format!(", fewer or with larger errors than the {} of the best.", grouped(best.score.inliers)))
+/// Tells what the run comes to.
+fn concluded(step: Step, seen: &Seen<SceneFlow>, field: &SceneFlowField) -> Step {
+    let percent = |count: usize| 100.0 * count as f64 / field.picture.luma().cells().len().max(1) as f64;
+    let step = warned(step, swapped(seen)).put(value::DENSITY, percent(field.known())).say(case::KNOWN);
+    let is_doubtful = field.ego.is_some_and(|ego| !ego.is_of_majority());
+    let step = match &field.moving {
+        Some(_) if is_doubtful => step.say(case::DOUBTFUL),
+        Some(moving) if moving.count() > 0 => step.put(value::MOVING, percent(moving.count())).say(case::SOME_MOVE),
+        Some(_) => step.say(case::NONE_MOVES),
+        None => {
+            let is_new = field.calibration.is_some() && !step.is(case::EGO_UNKNOWN);
+            step.say(case::STOP).say_if(is_new, case::EGO_UNKNOWN)
         }
-        None => said.text("."),
+    };
+    let reference = Reference { clip: seen.clip, frame: seen.before.fixed.frame };
+    // Truth that cannot be read is reported where the product is assessed.
+    let error = scene_flow_error(field, &reference).unwrap_or_default();
+    let step = match (error.epe_m, error.median_percent) {
+        (Some(epe), Some(median)) => {
+            step.put(value::MEDIAN_ERROR, median).put(value::MEAN_ERROR, epe).say(case::ERRORS)
+        }
+        _ => step,
+    };
+    match error.ego {
+        Some([_, off]) => step.put(value::CAMERA_ERROR, off).say(case::CAMERA_ERROR),
+        None => step,
     }
 }
 
-fn draw_facts(draw: &Draw) -> Vec<Fact> {
-    let mut facts = vec![Fact::new("Samples", format!("{} of {}", grouped(draw.drawn), grouped(draw.needed)), None)];
-    if let Some(fit) = draw.fit {
-        facts.push(Fact::new("Inliers", grouped(fit.score.inliers), Some(Role::Best)));
-        facts.push(Fact::new("Reprojection error (RMS)", format!("{} px", fixed(fit.rms_px(), 3)), None));
-    }
-    facts.extend(
-        draw.best.map(|best| Fact::new("Best so far", format!("{} inliers", grouped(best.score.inliers)), None)),
-    );
-    facts
+/// Tells the positions and the scene flow of the pixel.
+fn told_position(shown: &Shown) -> Step {
+    let (field, (x, y)) = (&shown.field, shown.pixel);
+    let Some(measured) = field.measured(shown.pixel) else {
+        return shown.step(line::SKIP).say(match (field.disparity.at(x, y), field.flow.at(x, y)) {
+            (None, _) => case::SKIP_DISPARITY,
+            (_, None) => case::SKIP_FLOW,
+            _ => case::SKIP_NEXT,
+        });
+    };
+    let step = shown.step(line::TRIANGULATE).fact(value::NEXT_DISPARITY, measured.next_disparity);
+    let (Some(rig), Some(motion)) = (field.calibration, field.motion(shown.pixel)) else {
+        let why = if field.calibration.is_none() { case::WITHOUT_DEPTH } else { case::AT_INFINITY };
+        return step.say(case::BOTH_DISPARITIES).say(why);
+    };
+    let (flow, covariance) = (motion.displacement(), motion.covariance(&Pose::IDENTITY, &field.sigma));
+    let step = step.put(value::POSITION, motion.from).put(value::NEXT_POSITION, motion.to);
+    let step = step.put(value::SCENE_FLOW, flow).put(value::SIGMA_Z, covariance[2][2].sqrt()).say(case::DISPLACED);
+    let seen_at = |step: Step, [x, y]: [f64; 2], disparity: f64| {
+        let step = step.put(value::OFFSET_X, x - rig.principal_px[0]).put(value::OFFSET_Y, y - rig.principal_px[1]);
+        step.put(value::SHIFT, disparity + rig.offset_px)
+    };
+    let line = |point: &str, position: &str| {
+        let factor = r"\frac{{baseline:unit}}{{shift:unit}} \, ({offset_x}, {offset_y}, {focal}) \, \text{px}";
+        format!(r"\mathbf{{P}}{point} = {factor} = {position}")
+    };
+    let step = rigged(step, &rig).formula(r"\mathbf{P} = \frac{B}{d} \, (x - c_x, y - c_y, f)");
+    let step = seen_at(step, measured.pixel, measured.disparity).formula(line("", "{position:unit}"));
+    let step = seen_at(step, measured.next_pixel(), measured.next_disparity).formula(line("'", "{next_position:unit}"));
+    let step = step.formula(r"\sigma_V = \sqrt{\sigma_Z^2 + \sigma_{Z'}^2}, \sigma_Z = \frac{Z^2 \, \sigma_d}{f \, B}");
+    step.show(Readout::Matrices(vec![
+        vector("P", "position in frame t, in m", motion.from, Some(Role::Reference)),
+        vector("P′", "position in frame t + 1, in m", motion.to, Some(Role::Measured)),
+        vector("V", "scene flow, in m", flow, Some(Role::Result)),
+        square("Σ", "covariance of the scene flow, in m²", covariance),
+    ]))
+}
+
+/// A rigid motion, with the covariance of its translation.
+fn motion_matrices(pose: &Pose, covariance: Option<[[f64; 6]; 6]>) -> Readout {
+    let mut matrices = vec![
+        square("R", "rotation of the scene", pose.rotation).with_decimals(4),
+        vector("t", "translation of the scene, in m", pose.translation, Some(Role::Result)),
+    ];
+    matrices.extend(covariance.map(|all| Matrix {
+        entries: Grid::from_fn(3, 3, |x, y| all[3 + y][3 + x]),
+        ..square("C", "covariance of t, in m²", [[0.0; 3]; 3])
+    }));
+    Readout::Matrices(matrices)
 }
 
 /// Inliers of each sample and of the best one.

@@ -5,16 +5,76 @@ use std::sync::Arc;
 use super::fill::{self, Gap};
 use super::paths::{self, Job, Line, NONE};
 use super::{Event, SemiGlobalMatching, Stage, State, find_winners, line};
-use crate::base::words;
 use crate::data::Frame;
 use crate::geometry::Grid;
+use crate::methods::stereo::value as shared;
 use crate::methods::stereo::{
-    BITS, Curve, Pair, Verdict, concluded, depth, disparity_px, draw_map, draw_match, smallest, starting, true_at,
+    BITS, Curve, Pair, Verdict, WHOLE_PX, accept, concluded, draw_map, draw_match, measured, smallest, starting,
 };
 use crate::run::Seen;
-use crate::scene::{
-    Axes, Canvas, Fact, Math, Picture, PictureRole, Readout, Role, Scene, Sentence, Shape, Step, Surface,
-};
+use crate::scene::{Axes, Canvas, Picture, PictureRole, Readout, Role, Scene, Shape, Step, Surface, Unit};
+use crate::{cases, variables};
+
+variables! {
+    /// The number of bits of a census string.
+    BITS: "Census string", "", Unit::new("bits", 0);
+    /// The lowest Hamming distance of the census strings.
+    LEAST_DISTANCE: "Least Hamming distance", "", Unit::new("bits", 0), Role::Best;
+    /// The side from which a path reaches the pixel.
+    DIRECTION: "Direction", r"r", Unit::WHOLE;
+    /// The penalty for a change of the disparity by 1 px.
+    P1: "Penalty P1", "P_1", Unit::WHOLE;
+    /// The penalty for a larger change of the disparity.
+    P2: "Penalty P2", "P_2", Unit::WHOLE;
+    /// The lowest matching cost of the pixel.
+    MATCHING_COST: "Matching cost", "", Unit::WHOLE;
+    /// The disparity of the lowest matching cost.
+    MATCHING_BEST: "Its disparity", "", WHOLE_PX;
+    /// The lowest path cost of the pixel.
+    PATH_COST: "Path cost", "", Unit::WHOLE, Role::Best;
+    /// The disparity of the lowest path cost.
+    PATH_BEST: "Disparity of the path cost", "", WHOLE_PX, Role::Best;
+    /// The disparity of the lowest path cost of the pixel before on the path.
+    ARRIVAL: "Arrival", "", WHOLE_PX;
+    /// The matching cost at the disparity of the lowest path cost.
+    COST_HERE: "", "", Unit::WHOLE;
+    /// The path cost of the pixel before at the same disparity.
+    SAME: "", "", Unit::WHOLE;
+    /// The lower of its path costs at the neighbouring disparities.
+    BESIDE: "", "", Unit::WHOLE;
+    /// The lowest of its path costs.
+    LEAST_BEFORE: "", "m", Unit::WHOLE;
+    /// The number of directions of paths.
+    PATHS: "Paths", "", Unit::count("path cost");
+}
+
+cases! { pub(super) over value, shared;
+    OPENING: "The cost of a single pixel is ambiguous; sums of costs along paths through the picture make neighbours agree.",
+    COST: "{reference|Pixel} {pixel}: the census strings of the pixel and its match differ least, in {least_distance:bare} of \
+           {bits} at d = {best:bare}. The window of 9×7 px is small, so the cost has many minima of nearly the same depth.",
+    PATH_BEGINS: "{reference|Pixel} {pixel}, path {direction}: the path begins here, so the path cost is the matching cost.",
+    PATH_ARRIVES: "{reference|Pixel} {pixel}, path {direction}: the path arrives with its minimum at d = {arrival:bare}, and \
+                   changes of the disparity are penalised.",
+    PATH_MINIMA: "The minimum of the matching cost is at d = {matching_best:bare}, that of the path cost at d = \
+                  {path_best:bare}.",
+    LOWEST_SUM: "{reference|Pixel} {pixel}: the sum of its {paths} is lowest, {minimum} at d = {best:bare}",
+    AMBIGUOUS: ". Its rival, {rival_cost} at d = {rival:bare}, is less than {uniqueness} higher, so the match is ambiguous and \
+                the pixel gets no disparity yet.",
+    UNIQUE: ", and no rival comes near it: the disparity is unique.",
+    BOTH_VIEWS: "{reference|Pixel} {pixel}: from the left view d = {best:bare}, from its match in the {second} d = {back:bare}.",
+    CONFIRMED: "The left–right check confirms the disparity.",
+    REJECTED: "The left–right check rejects the disparity.",
+    OCCLUDED_OR_MISMATCHED: "The pixel is half-occluded, hidden from the other view, or mismatched.",
+    KEPT: "{reference|Pixel} {pixel} passed all tests, so its disparity stays.",
+    FILL_OCCLUDED: "{reference|Pixel} {pixel}: no pixel of the other view is matched with it, as where it is half-occluded. Then \
+                    the background continues there, so it takes the second lowest of the nearest disparities in 8 directions,",
+    FILL_AMBIGUOUS: "{reference|Pixel} {pixel}: its match is ambiguous. It takes the median of the nearest disparities in 8 \
+                     directions,",
+    FILL_WRONG: "{reference|Pixel} {pixel}: its match is wrong, as another pixel takes the same place. It takes the median of \
+                 the nearest disparities in 8 directions,",
+    FILLED: "{disparity}.",
+    FILL_NONE: "of which there are none.",
+}
 
 /// The cut through the cost volume along a row.
 const SLICE: Picture = Picture { role: PictureRole::Slice, ..Picture::CURRENT };
@@ -100,20 +160,6 @@ impl Shown<'_> {
     }
 }
 
-/// The name of a direction of paths.
-fn direction_name(direction: [isize; 2]) -> &'static str {
-    match direction {
-        [1, 0] => "from the left",
-        [-1, 0] => "from the right",
-        [0, 1] => "from above",
-        [0, -1] => "from below",
-        [1, 1] => "from the upper left",
-        [-1, 1] => "from the upper right",
-        [1, -1] => "from the lower left",
-        _ => "from the lower right",
-    }
-}
-
 impl SemiGlobalMatching {
     /// The largest disparity of a pixel with a match inside the right view.
     fn last(&self, x: usize) -> usize {
@@ -135,51 +181,30 @@ impl SemiGlobalMatching {
 
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
         let Some(shown) = self.shown(seen) else {
-            let sentence = starting(&seen.before.fixed.views, &self.settings).text(
-                " The cost of a single pixel is ambiguous; sums of costs along paths through the picture make neighbours agree.",
-            );
-            return Step { line: line::TAKE_VIEWS, sentence, readouts: Vec::new() };
+            let views = &seen.before.fixed.views;
+            return starting(Step::at(line::TAKE_VIEWS), views, &self.settings).say(case::OPENING);
         };
-        let mut step = match shown.stage {
+        let step = match shown.stage {
             Stage::Cost => self.told_cost(&shown),
             Stage::Path(direction) => self.told_path(&shown, direction),
             Stage::Winner => self.told_choice(&shown),
             Stage::Check => self.told_check(&shown),
             Stage::Fill => self.told_fill(&shown),
         };
-        if let (Some(after), None) = (seen.after.filter(|after| after.done == self.stages().len()), seen.point()) {
-            let conclusion = concluded(&after.fixed.views, &self.settings, &after.kept);
-            step.sentence = step.sentence.text(conclusion);
-        }
-        step.readouts.push(Readout::Landscape(self.canyon(&shown)));
-        step
-    }
-
-    fn pixel_named(&self, shown: &Shown) -> Sentence {
-        Sentence::default().ink(Role::Reference, format!("Pixel {}", words::pixel(shown.pixel)))
-    }
-
-    /// The facts of a pixel, with those of a stage in front.
-    fn facts(&self, shown: &Shown, mut facts: Vec<Fact>) -> Readout {
-        facts.insert(0, Fact::new("Pixel", words::pixel(shown.pixel), Some(Role::Reference)));
-        let truth = true_at(&shown.before.fixed.views, shown.pixel);
-        facts.extend(truth.map(|truth| Fact::new("True disparity", disparity_px(truth), Some(Role::Truth))));
-        Readout::Facts(facts)
+        let step = match (seen.after.filter(|after| after.done == self.stages().len()), seen.point()) {
+            (Some(after), None) => concluded(step, &after.fixed.views, &self.settings, &after.kept),
+            _ => step,
+        };
+        step.show(Readout::Landscape(self.canyon(&shown)))
     }
 
     fn told_cost(&self, shown: &Shown) -> Step {
-        let costs: Vec<u32> = self.single_costs(shown);
+        let costs = self.single_costs(shown);
         let minimum = smallest(&costs);
-        let least = words::cost(minimum.cost.into());
-        let sentence = self
-            .pixel_named(shown)
-            .text(": the census strings of the pixel and its match differ least, in ")
-            .ink(Role::Best, format!("{least} of {BITS} bits at d = {}", minimum.at))
-            .text(". The window of 9×7 px is small, so the cost has many minima of nearly the same depth.");
-        let curve =
-            self.curve(shown, "Matching cost along the epipolar line", vec![("cost C(p, d)", Role::Candidate, &costs)]);
-        let facts = vec![Fact::new("Least Hamming distance", format!("{least} of {BITS} bits"), Some(Role::Best))];
-        Step { line: line::COMPUTE_COSTS, sentence, readouts: vec![self.facts(shown, facts), curve] }
+        let step = self.pair(shown).step(line::COMPUTE_COSTS).fact(value::LEAST_DISTANCE, minimum.cost);
+        let step = step.fact(value::BITS, BITS).fact(shared::BEST, minimum.at).say(case::COST);
+        let lines = vec![("cost C(p, d)", Role::Candidate, &costs[..])];
+        step.show(self.curve(shown, "Matching cost along the epipolar line", lines))
     }
 
     /// The matching costs of the pixel.
@@ -196,86 +221,35 @@ impl SemiGlobalMatching {
     }
 
     fn told_path(&self, shown: &Shown, direction: [isize; 2]) -> Step {
-        let (path, costs) = (shown.path(self, direction), self.single_costs(shown));
+        let (path, costs, [p1, p2]) = (shown.path(self, direction), self.single_costs(shown), self.penalties());
         let (alone, along) = (smallest(&costs), smallest(&path.costs));
-        let name = direction_name(direction);
-        let said = self.pixel_named(shown).text(format!(", path {name}: "));
-        let said = match &path.before {
-            None => said.text("the path begins here, so the path cost is the matching cost. "),
-            Some(before) => said.text(format!(
-                "the path arrives with its minimum at d = {}, and changes of the disparity are penalised. ",
-                smallest(before).at
-            )),
+        let step = self.pair(shown).step(line::AGGREGATE).fact(value::DIRECTION, direction_name(direction));
+        let step = step.fact(value::P1, p1).fact(value::P2, p2).fact(value::MATCHING_COST, alone.cost);
+        let step = step.fact(value::MATCHING_BEST, alone.at).fact(value::PATH_COST, along.cost);
+        let step = step.fact(value::PATH_BEST, along.at);
+        let step = match &path.before {
+            None => step.say(case::PATH_BEGINS),
+            Some(before) => step.put(value::ARRIVAL, smallest(before).at).say(case::PATH_ARRIVES),
         };
-        let sentence = said
-            .text(format!("The minimum of the matching cost is at d = {}, that of the path cost at ", alone.at))
-            .ink(Role::Best, format!("d = {}", along.at))
-            .text(".");
-        let facts = vec![
-            Fact::new("Direction", name, None),
-            Fact::new("Penalties P1, P2", format!("{}, {}", self.p1, self.p2.max(self.p1)), None),
-            Fact::new("Matching cost", format!("{} at d = {}", words::cost(alone.cost.into()), alone.at), None),
-            Fact::new("Path cost", format!("{} at d = {}", words::cost(along.cost.into()), along.at), Some(Role::Best)),
-        ];
         let lines = vec![
             ("cost C(p, d)", Role::Candidate, &costs[..]),
             ("path cost L(p, d)", Role::Predicted, &path.costs[..]),
         ];
         let curve = self.curve(shown, "Path cost along the epipolar line", lines);
-        let equation = Readout::Equation(self.recursion(&path, &costs, along.at));
-        Step { line: line::AGGREGATE, sentence, readouts: vec![self.facts(shown, facts), equation, curve] }
-    }
-
-    /// The recursion, and with the numbers of disparity `d`.
-    fn recursion(&self, path: &Path, costs: &[u32], d: usize) -> Vec<Math> {
-        let formula = "L(p, d) = C(p, d) + min(L(p − r, d), L(p − r, d ± 1) + P1, m + P2) − m";
-        let mut lines = vec![Math::text(formula)];
-        let Some(before) = &path.before else { return lines };
-        let [p1, p2] = self.penalties().map(u32::from);
-        let least = smallest(before).cost;
-        let at = |d: Option<usize>| d.and_then(|d| before.get(d)).copied();
-        let beside = [at(d.checked_sub(1)), at(Some(d + 1))].into_iter().flatten().min();
-        let terms = [
-            at(Some(d)).map(|cost| cost.to_string()),
-            beside.map(|cost| format!("{cost} + {p1}")),
-            Some(format!("{least} + {p2}")),
-        ];
-        let terms: Vec<_> = terms.into_iter().flatten().collect();
-        lines.push(Math::Row(vec![
-            Math::text(format!("L(p, {d}) = {} + min({}) − {least} = ", costs[d], terms.join(", "))),
-            Math::ink(Role::Best, path.costs[d].to_string()),
-        ]));
-        lines
+        recursion(step.say(case::PATH_MINIMA), &path, &costs, along.at).show(curve)
     }
 
     fn told_choice(&self, shown: &Shown) -> Step {
         let sums = shown.sums(self);
-        let (minimum, paths) = (smallest(&sums), self.directions().len());
-        let rival = minimum.rival.map(|(at, cost)| (at, words::cost(cost.into())));
-        let limit = u64::from(minimum.cost) * (100 + self.settings.uniqueness as u64);
-        let is_ambiguous =
-            self.settings.uniqueness > 0 && minimum.rival.is_some_and(|(_, cost)| 100 * u64::from(cost) <= limit);
-        let said = self
-            .pixel_named(shown)
-            .text(format!(": the sum of its {paths} path costs is lowest, "))
-            .ink(Role::Best, format!("{} at d = {}", words::cost(minimum.cost.into()), minimum.at));
-        let (line, sentence) = match &rival {
-            Some((at, cost)) if is_ambiguous => (
-                line::REJECT_AMBIGUOUS,
-                said.text(format!(
-                    ". Its rival, {cost} at d = {at}, is less than {} % higher, so the match is ambiguous and the pixel gets no disparity yet.",
-                    self.settings.uniqueness
-                )),
-            ),
-            _ => (line::CHOOSE, said.text(", and no rival comes near it: the disparity is unique.")),
-        };
-        let mut facts = vec![Fact::new(
-            "Minimum of the sum",
-            format!("{} at d = {}", words::cost(minimum.cost.into()), minimum.at),
-            Some(Role::Best),
-        )];
-        facts.extend(rival.map(|(at, cost)| Fact::new("Next minimum", format!("{cost} at d = {at}"), None)));
-        Step { line, sentence, readouts: vec![self.facts(shown, facts), self.sum_curve(shown, &sums)] }
+        let minimum = smallest(&sums);
+        let rival = minimum.rival.map(|(_, cost)| cost);
+        let is_unique = accept(&self.settings, minimum.cost, rival, 0) == Verdict::Accepted;
+        let (line, said) =
+            if is_unique { (line::CHOOSE, case::UNIQUE) } else { (line::REJECT_AMBIGUOUS, case::AMBIGUOUS) };
+        let step = self.pair(shown).step(line).fact(shared::MINIMUM, minimum.cost).fact(shared::BEST, minimum.at);
+        let step = step.fact_if(shared::RIVAL_COST, rival).fact_if(shared::RIVAL, minimum.rival.map(|(at, _)| at));
+        let step = step.put(value::PATHS, self.directions().len()).put(shared::UNIQUENESS, self.settings.uniqueness);
+        step.say(case::LOWEST_SUM).say(said).show(self.sum_curve(shown, &sums))
     }
 
     fn sum_curve(&self, shown: &Shown, sums: &[u32]) -> Readout {
@@ -293,62 +267,39 @@ impl SemiGlobalMatching {
     }
 
     fn told_check(&self, shown: &Shown) -> Step {
-        let sums = shown.sums(self);
+        let (sums, pair) = (shown.sums(self), self.pair(shown));
         let [best, back] = self.both(shown, &sums);
-        let said = self.pixel_named(shown).text(format!(
-            ": from the left view d = {best}, from its match in the {} ",
-            shown.before.fixed.views.second_name()
-        ));
-        let said = said.ink(Role::Best, format!("d = {back}"));
-        let sentence = match best.abs_diff(back) <= self.settings.max_difference {
-            true => said.text(". The left–right check confirms the disparity."),
-            false => {
-                let usual = "The pixel is half-occluded, hidden from the other view, or mismatched.";
-                said.text(format!(". The left–right check rejects the disparity. {}", self.pair(shown).cause(usual)))
-            }
+        let step = pair.step(line::CHECK).fact(shared::BEST, best).fact(shared::BACK, back).say(case::BOTH_VIEWS);
+        let step = match accept(&self.settings, 0, None, best.abs_diff(back)) {
+            Verdict::Accepted => step.say(case::CONFIRMED),
+            _ => pair.cause(step.say(case::REJECTED), case::OCCLUDED_OR_MISMATCHED),
         };
-        let facts = vec![
-            Fact::new("From the left view", format!("d = {best}"), Some(Role::Best)),
-            Fact::new("From the other view", format!("d = {back}"), None),
-        ];
-        Step { line: line::CHECK, sentence, readouts: vec![self.facts(shown, facts), self.sum_curve(shown, &sums)] }
+        step.show(self.sum_curve(shown, &sums))
     }
 
     fn told_fill(&self, shown: &Shown) -> Step {
         let ((x, y), width) = (shown.pixel, shown.before.fixed.views.size().0);
         let index = y * width + x;
         let was = shown.before.kept[index];
-        let sums = shown.sums(self);
-        let said = self.pixel_named(shown);
-        let (sentence, value) = if was.disparity.is_finite() {
-            (said.text(" passed all tests, so its disparity stays."), was.disparity)
+        let step = self.pair(shown).step(line::FILL);
+        let (step, disparity) = if was.disparity.is_finite() {
+            (step.say(case::KEPT), was.disparity)
         } else {
             let gap = self.gap(&shown.before.right[y * width..], x);
             let around = fill::nearest(&shown.before.kept, width).into_iter().find(|(hole, _)| *hole == index);
-            let value = around.map_or(f32::NAN, |(_, around)| fill::value(gap, around));
-            let why = match (gap, was.verdict) {
-                (Gap::Occluded, _) => {
-                    "no pixel of the other view is matched with it, as where it is half-occluded. Then the background continues there, so it takes the second lowest \
-                     of the nearest disparities in 8 directions,  "
-                }
-                (Gap::Mismatched, Verdict::Ambiguous) => {
-                    "its match is ambiguous. It takes the median of the nearest disparities in 8 directions, "
-                }
-                (Gap::Mismatched, _) => {
-                    "its match is wrong, as another pixel takes the same place. It takes the median of the nearest disparities in 8 directions, "
-                }
-            };
-            let told = if value.is_finite() { disparity_px(value) } else { "of which there are none".into() };
-            (said.text(format!(": {why}")).ink(Role::Result, told).text("."), value)
+            let step = step.say(match (gap, was.verdict) {
+                (Gap::Occluded, _) => case::FILL_OCCLUDED,
+                (Gap::Mismatched, Verdict::Ambiguous) => case::FILL_AMBIGUOUS,
+                (Gap::Mismatched, _) => case::FILL_WRONG,
+            });
+            (step, around.map_or(f32::NAN, |(_, around)| fill::value(gap, around)))
         };
-        let mut facts = Vec::new();
-        if value.is_finite() {
-            facts.push(Fact::new("Disparity", disparity_px(value), Some(Role::Result)));
-            let depth = depth(shown.before.fixed.views.calibration.as_ref(), value);
-            let unknown = || "unknown: it needs the focal length and the baseline of the cameras".to_owned();
-            facts.push(Fact::new("Depth", depth.unwrap_or_else(unknown), None));
-        }
-        Step { line: line::FILL, sentence, readouts: vec![self.facts(shown, facts), self.sum_curve(shown, &sums)] }
+        let step = match disparity.is_finite() {
+            true => measured(step, shown.before.fixed.views.calibration.as_ref(), disparity),
+            false => step.say(case::FILL_NONE),
+        };
+        let is_filled = disparity.is_finite() && was.disparity.is_nan();
+        step.say_if(is_filled, case::FILLED).show(self.sum_curve(shown, &shown.sums(self)))
     }
 
     pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
@@ -431,4 +382,34 @@ impl SemiGlobalMatching {
             ..surface
         }
     }
+}
+
+/// The name of a direction of paths.
+fn direction_name(direction: [isize; 2]) -> &'static str {
+    match direction {
+        [1, 0] => "from the left",
+        [-1, 0] => "from the right",
+        [0, 1] => "from above",
+        [0, -1] => "from below",
+        [1, 1] => "from the upper left",
+        [-1, 1] => "from the upper right",
+        [1, -1] => "from the lower left",
+        _ => "from the lower right",
+    }
+}
+
+/// Adds the recursion, and with its numbers at disparity `d`, that of the lowest path cost.
+fn recursion(step: Step, path: &Path, costs: &[u32], d: usize) -> Step {
+    let step = step.formula(r"L(p, d) = C(p, d) + \text{min}(L(p - r, d), L(p - r, d \pm 1) + P_1, m + P_2) - m");
+    let Some(before) = &path.before else { return step };
+    let at = |d: Option<usize>| d.and_then(|d| before.get(d)).copied();
+    let beside = [at(d.checked_sub(1)), at(Some(d + 1))].into_iter().flatten().min();
+    let mut step = step.put(value::COST_HERE, costs[d]).put(value::LEAST_BEFORE, smallest(before).cost);
+    let mut terms = String::new();
+    for (of, cost, term) in [(value::SAME, at(Some(d)), "{same}, "), (value::BESIDE, beside, "{beside} + {p1}, ")] {
+        let Some(cost) = cost else { continue };
+        (step, terms) = (step.put(of, cost), terms + term);
+    }
+    let min = format!(r"\text{{min}}({terms}{{least_before}} + {{p2}})");
+    step.formula(format!("L(p, {{path_best}}) = {{cost_here}} + {min} - {{least_before}} = {{path_cost}}"))
 }

@@ -91,7 +91,7 @@ impl BlobTracker {
             Some(EventKind::Missed(_) | EventKind::Deleted(_)) => line::COAST_OR_END,
             Some(EventKind::Begun(_)) => line::BEGIN_OBJECT,
         };
-        Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
+        Step { values: Vec::new(), line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }
 
     /// Returns whether the update is by the nearest-blob fallback.

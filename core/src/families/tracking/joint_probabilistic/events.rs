@@ -77,7 +77,7 @@ impl JointProbabilistic {
         self.dynamics.deviation_px(known, track.extent.height_px())
     }
 
-    fn measurement(&self, track: &Track, detection: &Detection) -> Measurement {
+    pub(super) fn measurement(&self, track: &Track, detection: &Detection) -> Measurement {
         let place_deviation = self.deviation(track, detection.deviation_px);
         Measurement { place: detection.center.map(f64::from), place_deviation, velocity: None }
     }

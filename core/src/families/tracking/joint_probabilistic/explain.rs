@@ -8,8 +8,9 @@ use super::{Event, JointProbabilistic, State, Track, Weights, line};
 use crate::base::words::{capital, percent, place};
 use crate::geometry::{Bounds, Grid};
 use crate::methods::{
-    kalman::ellipse,
+    kalman::{Measurement, ellipse},
     multi_object::{
+        density::TrackDensity,
         explain::{self, Names, count},
         selected::Selected,
         tracker_run::Conclusion,
@@ -51,7 +52,7 @@ impl JointProbabilistic {
             Some(Event::Missed(..) | Event::Deleted(_)) => line::COAST_OR_END,
             Some(Event::Begun(..)) => line::BEGIN_TRACK,
         };
-        Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
+        Step { values: Vec::new(), line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }
 
     fn sentence(&self, seen: &Seen<MultiTracking<Self>>) -> Sentence {
@@ -114,7 +115,7 @@ impl JointProbabilistic {
                 )),
             Event::Done(done, conclusion) => {
                 let mut said = said.text(concluded(seen, conclusion).unwrap_or_default());
-                said.0.extend(tracking::done(seen, (done, conclusion)).0);
+                said = said.then(tracking::done(seen, (done, conclusion)));
                 said
             }
         }
@@ -177,7 +178,53 @@ impl JointProbabilistic {
         readouts.extend(equation.map(Readout::Equation));
         readouts.extend((!tables.is_empty()).then_some(Readout::Matrices(tables)));
         readouts.extend(explain::series(&seen.after.unwrap_or(state).run));
+        readouts.extend(self.density(seen).and_then(|density| density.landscape()));
         readouts
+    }
+
+    /// The density of the track of the step, or else of the selected one; of a cluster without it, of its first track.
+    fn density<'a>(&self, seen: &Seen<'a, MultiTracking<Self>>) -> Option<TrackDensity<'a>> {
+        let selected = selected(seen).map(|selected| selected.id);
+        let of = |tracks: &'a [Track]| tracks.iter().find(|track| Some(track.id) == selected);
+        match seen.events.last() {
+            Some(Event::Updated(both, weights)) => {
+                let measured =
+                    |&(place, _): &_| Measurement { place, place_deviation: weights.deviation, velocity: None };
+                Some(TrackDensity {
+                    updated: Some(&both[1].filter),
+                    measured: weights.measured.iter().map(measured).collect(),
+                    ..TrackDensity::predicted(&both[0].filter)
+                })
+            }
+            Some(Event::Validated(validation)) => {
+                let row = validation.tracks.iter().position(|track| Some(track.id) == selected)?;
+                Some(self.validated_track(validation, row))
+            }
+            Some(Event::Enumerated(validation, joint) | Event::Weighed(validation, joint)) => {
+                let mut rows = joint.tracks.iter();
+                let found = rows.find(|row| Some(validation.tracks[**row].id) == selected);
+                Some(self.validated_track(validation, *found.or(joint.tracks.first())?))
+            }
+            Some(Event::Predicted(tracks)) => of(tracks).map(|track| TrackDensity::predicted(&track.filter)),
+            Some(Event::Missed(track, _) | Event::Deleted(track)) => Some(TrackDensity::predicted(&track.filter)),
+            Some(Event::Begun(track, _)) => Some(TrackDensity::estimated(&track.filter)),
+            None | Some(Event::Detected(..) | Event::Done(..)) => {
+                of(&seen.after.unwrap_or(seen.before).tracks).map(|track| TrackDensity::estimated(&track.filter))
+            }
+        }
+    }
+
+    /// A predicted track with the detections in its gate.
+    fn validated_track<'a>(&self, validation: &'a Validation, row: usize) -> TrackDensity<'a> {
+        let track = &validation.tracks[row];
+        let mut near: Vec<_> = validation.distances.row(row).collect();
+        near.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let measured = |(column, _): (usize, f64)| self.measurement(track, &validation.detections[column]);
+        TrackDensity {
+            measured: near.into_iter().map(measured).collect(),
+            limit: Some(validation.limit),
+            ..TrackDensity::predicted(&track.filter)
+        }
     }
 
     pub(super) fn drawn(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {

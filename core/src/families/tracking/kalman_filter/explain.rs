@@ -6,14 +6,14 @@ mod plots;
 
 use super::matrices::matrices;
 use super::restart::{LEAST_REJECTED, Restart, Retry, Trial};
-use super::sensors::{Observations, SensorReading};
+use super::sensors::{Observations, SensorReading, Sensors};
 use super::{Event, FrameRecord, Gated, KalmanFilter, Loss, State, line, modes};
 use crate::base::words::{self, counted as count, percent};
-use crate::methods::kalman::{self, ConsistencyTest, Filter, Measurement, MotionModel};
+use crate::methods::kalman::{ConsistencyTest, Filter, Measurement, MotionModel, Surroundings};
 use crate::methods::multi_object::explain::missed_in_a_row;
 use crate::methods::numbers::{px, ratio, squared};
 use crate::run::Seen;
-use crate::scene::{Fact, Picture, Readout, Role, Sentence, Step, Surface};
+use crate::scene::{Fact, Readout, Role, Sentence, Step, Surface};
 
 /// The mean innovation in standard deviations above which the filter is biased, and the least number of innovations that tell it.
 const BIAS_SIGMAS: f64 = 2.5;
@@ -99,7 +99,7 @@ impl KalmanFilter {
             Some(Event::Kept(_)) => line::EACH_FRAME_BACK,
         };
         let now = self.now(seen);
-        Step { line, sentence: self.sentence(seen, &now), readouts: self.readouts(seen, &now) }
+        Step { values: Vec::new(), line, sentence: self.sentence(seen, &now), readouts: self.readouts(seen, &now) }
     }
 
     fn sentence(&self, seen: &Seen<Self>, now: &StepEstimates) -> Sentence {
@@ -191,7 +191,7 @@ impl KalmanFilter {
             _ if conclusion.is_empty() => said,
             // The run is about its result, not about a frame before the track.
             Event::Kept(None) => Sentence::default().text(conclusion.trim_start()),
-            _ => Sentence([Sentence::default().text(format!("{} ", conclusion.trim_start())).0, said.0].concat()),
+            _ => Sentence::default().text(format!("{} ", conclusion.trim_start())).then(said),
         }
     }
 
@@ -454,8 +454,33 @@ impl KalmanFilter {
             readouts.push(Readout::Matrices(matrices));
         }
         readouts.extend(self.series(seen));
-        readouts.extend(hill(now).map(Readout::Landscape));
+        readouts.extend(self.hill(seen.events.last(), now).map(Readout::Landscape));
         readouts
+    }
+
+    /// The density of the position; where a measurement is tested, that of the predicted measurement with its gate.
+    fn hill(&self, event: Option<&Event>, now: &StepEstimates) -> Option<Surface> {
+        let (filter, role) = now.current()?;
+        let name = match role {
+            Role::Predicted => "prediction",
+            Role::Result => "smoothed",
+            _ => "estimate",
+        };
+        let second = if self.sensors == Sensors::One { 0.0 } else { self.second_noise };
+        let deviation = f64::from(self.measurement_noise.max(second));
+        let surroundings = Surroundings::of(now.predicted.as_ref().unwrap_or(filter), deviation);
+        let accepted = now.gated.iter().filter(|gated| gated.is_inside()).map(|gated| gated.measurement().place);
+        let surroundings = accepted.fold(surroundings, Surroundings::around);
+        match event {
+            Some(Event::Gated(gated)) => {
+                let tested = [*gated.measurement()];
+                surroundings.measurement((name, role), &gated.expected, (&tested, Some(gated.limit)))
+            }
+            _ => {
+                let measured: Vec<_> = now.gated.iter().map(|gated| *gated.measurement()).collect();
+                surroundings.position((name, role), filter, &measured)
+            }
+        }
     }
 
     fn facts(&self, seen: &Seen<Self>, now: &StepEstimates) -> Vec<Fact> {
@@ -493,31 +518,6 @@ impl KalmanFilter {
         }
         facts
     }
-}
-
-/// The density of the position, over the same part of the picture before and after the measurements of the frame.
-fn hill(now: &StepEstimates) -> Option<Surface> {
-    /// How far it reaches from the prediction, in standard deviations, and in multiples of the distance to the farthest measurement that
-    /// the gate accepts.
-    const REACH: [f64; 2] = [4.0, 1.2];
-    let (filter, role) = now.current()?;
-    let widest = now.predicted.as_ref().unwrap_or(filter);
-    let (middle, [[xx, _], [_, yy]]) = (widest.place(), widest.place_covariance());
-    let measured = now.gated.iter().map(|gated| gated.measurement().place);
-    let reach = (REACH[0] * xx.max(yy).sqrt()).max(1.0);
-    let accepted = now.gated.iter().filter(|gated| gated.is_inside()).map(|gated| gated.measurement().place);
-    let reach = accepted.map(|place| REACH[1] * distance(place, middle)).fold(reach, f64::max);
-    let normal = (filter.place(), filter.place_covariance());
-    let surface = kalman::density(normal, (Picture::CURRENT, middle, reach))?;
-    let name = match role {
-        Role::Predicted => "prediction",
-        Role::Result => "smoothed",
-        _ => "estimate",
-    };
-    let on_it = |at: [f64; 2]| surface.axes.displacement(point(at));
-    let mut named = vec![(name, role, on_it(filter.place()))];
-    named.extend(measured.map(|place| ("measurement", Role::Measured, on_it(place))));
-    Some(Surface { named, ..surface })
 }
 
 /// The accepted measurements of a run: rejected ones are of something else, and say nothing about the filter's covariance.

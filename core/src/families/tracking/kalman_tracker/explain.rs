@@ -9,6 +9,7 @@ use crate::geometry::{Bounds, Grid};
 use crate::methods::{
     kalman::{Filter, Measurement, ellipse},
     multi_object::{
+        density::TrackDensity,
         explain::{self, Names, count},
         tracking::{self, MultiTracking, errors, selected},
         truth,
@@ -31,6 +32,11 @@ fn speed(track: &Track) -> String {
 fn variance(track: &Track) -> f64 {
     let [[xx, _], [_, yy]] = track.filter.place_covariance();
     xx.max(yy)
+}
+
+/// The track with the least certain position.
+fn widest(tracks: &[Track]) -> Option<&Track> {
+    tracks.iter().max_by(|a, b| variance(a).total_cmp(&variance(b)))
 }
 
 /// The standard deviations of the position along x and y.
@@ -142,7 +148,7 @@ impl KalmanTracker {
             Some(Event::Missed(_) | Event::Deleted(_)) => line::COAST_OR_END,
             Some(Event::Begun(_)) => line::BEGIN_TRACK,
         };
-        Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
+        Step { values: Vec::new(), line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }
 
     fn sentence(&self, seen: &Seen<MultiTracking<Self>>) -> Sentence {
@@ -205,7 +211,7 @@ impl KalmanTracker {
 
     fn predicted(&self, tracks: &[Track]) -> Sentence {
         let said = Sentence::default();
-        let Some(widest) = tracks.iter().max_by(|a, b| variance(a).total_cmp(&variance(b))) else {
+        let Some(widest) = widest(tracks) else {
             return said.text("No tracks to predict yet.");
         };
         said.text("Prediction of ").ink(Role::Predicted, count(tracks.len(), "track")).text(format!(
@@ -354,7 +360,49 @@ impl KalmanTracker {
         readouts.extend(equation.map(Readout::Equation));
         readouts.extend((!tables.is_empty()).then_some(Readout::Matrices(tables)));
         readouts.extend(explain::series(&seen.after.unwrap_or(state).run));
+        readouts.extend(self.density(seen).and_then(|density| density.landscape()));
         readouts
+    }
+
+    /// The density of the track of the step, or else of the selected one.
+    fn density<'a>(&self, seen: &Seen<'a, MultiTracking<Self>>) -> Option<TrackDensity<'a>> {
+        let selected = || selected(seen).map(|selected| selected.id);
+        let of = |tracks: &'a [Track]| selected().and_then(|id| tracks.iter().find(|track| track.id == id));
+        match seen.events.last() {
+            Some(Event::Updated(both, measurement)) => Some(TrackDensity {
+                updated: Some(&both[1].filter),
+                measured: vec![*measurement],
+                ..TrackDensity::predicted(&both[0].filter)
+            }),
+            Some(Event::Assigned(costs, [row, column])) => Some(self.compared(costs, *row, &[*column])),
+            Some(Event::Costs(costs)) => {
+                let id = selected()?;
+                let row = costs.tracks.iter().position(|track| track.id == id)?;
+                let columns: Vec<_> = costs.costs.row(row).map(|(column, _)| column).collect();
+                Some(self.compared(costs, row, &columns))
+            }
+            Some(Event::Predicted(tracks)) => {
+                let track = of(tracks).or_else(|| widest(tracks))?;
+                Some(TrackDensity::predicted(&track.filter))
+            }
+            Some(Event::Missed(track) | Event::Deleted(track)) => Some(TrackDensity::predicted(&track.filter)),
+            Some(Event::Begun(track)) => Some(TrackDensity::estimated(&track.filter)),
+            None | Some(Event::Detected(..) | Event::Done(..)) => {
+                of(&seen.after.unwrap_or(seen.before).tracks).map(|track| TrackDensity::estimated(&track.filter))
+            }
+        }
+    }
+
+    /// A predicted track with the detections of these columns.
+    fn compared<'a>(&self, costs: &'a Costs, row: usize, columns: &[usize]) -> TrackDensity<'a> {
+        let near = |column: &usize| (self.distance(costs, row, *column), self.measurement(costs, row, *column));
+        let mut all: Vec<_> = columns.iter().map(near).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        TrackDensity {
+            measured: all.into_iter().map(|(_, measured)| measured).collect(),
+            limit: (self.cost != PairCost::Overlap).then_some(costs.limit),
+            ..TrackDensity::predicted(&costs.tracks[row].filter)
+        }
     }
 
     /// The formula of the cost with its conditions, and for one pair with its numbers.
@@ -439,12 +487,17 @@ impl KalmanTracker {
 
     /// Returns the squared Mahalanobis distance of a detection from a track.
     fn distance(&self, costs: &Costs, row: usize, column: usize) -> f64 {
+        let measured = self.measurement(costs, row, column);
+        costs.tracks[row].filter.squared_distance(&measured).unwrap_or(f64::INFINITY)
+    }
+
+    /// Returns the measurement by a detection that is compared with a track.
+    fn measurement(&self, costs: &Costs, row: usize, column: usize) -> Measurement {
         let (track, detection) = (&costs.tracks[row], &costs.detections[column]);
-        let measured = match self.cost {
+        match self.cost {
             PairCost::Mahalanobis => self.dynamics.measurement(detection),
             PairCost::Overlap | PairCost::Both => self.measured(track, detection, costs.picture),
-        };
-        costs.tracks[row].filter.squared_distance(&measured).unwrap_or(f64::INFINITY)
+        }
     }
 
     /// The cost matrices, with the pairs in `lit` lit.

@@ -31,7 +31,7 @@ const FALSE_ALARM: usize = 0;
 pub struct Gates {
     pub frame: usize,
     pub detections: Arc<Vec<Detection>>,
-    measured: Vec<Measurement>,
+    pub measured: Vec<Measurement>,
     /// The predicted tracks of all clusters.
     pub tracks: Vec<Arc<Track>>,
     /// Squared Mahalanobis distances d² in the gates: tracks by detections.

@@ -11,6 +11,7 @@ use crate::methods::differential::numbers::factor;
 use crate::methods::{
     kalman::ellipse,
     multi_object::{
+        density::TrackDensity,
         explain::{self, Names, count},
         selected::Selected,
         tracking::{self, MultiTracking, errors, selected},
@@ -38,7 +39,7 @@ impl MultipleHypothesis {
             Some(Event::Led(_)) => line::LEAD,
             Some(Event::Revised(_)) => line::REVISE,
         };
-        Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
+        Step { values: Vec::new(), line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }
 
     fn sentence(&self, seen: &Seen<MultiTracking<Self>>) -> Sentence {
@@ -216,6 +217,7 @@ impl MultipleHypothesis {
         readouts.extend(self.tree(seen).map(Readout::Diagram));
         readouts.extend((!tables.is_empty()).then_some(Readout::Matrices(tables)));
         readouts.extend(explain::series(&after.run));
+        readouts.extend(density(seen).and_then(|density| density.landscape()));
         readouts
     }
 
@@ -344,6 +346,58 @@ impl MultipleHypothesis {
             }
         }
     }
+}
+
+/// The density of the selected track in the leading hypothesis; of a cluster without it, of its first track.
+fn density<'a>(seen: &Seen<'a, MultiTracking<MultipleHypothesis>>) -> Option<TrackDensity<'a>> {
+    let selected = selected(seen).map(|selected| selected.id);
+    let estimated = |track: &'a Arc<Track>| TrackDensity::estimated(&track.filter);
+    match seen.events.last() {
+        Some(Event::Predicted(tracks)) => {
+            let row = leading_row(seen.before, selected?)?;
+            Some(TrackDensity::predicted(&tracks.get(row)?.filter))
+        }
+        Some(Event::Gated(gates)) => gated_track(gates, leading_row(seen.before, selected?)?),
+        Some(Event::Expanded(gates, expansion)) => {
+            let ids = || expansion.tracks.iter().map(|track| track.id);
+            let chosen = ids().filter(|id| Some(*id) == selected);
+            gated_track(gates, chosen.chain(ids()).find_map(|id| leading_row(seen.before, id))?)
+        }
+        None | Some(Event::Detected(..)) => {
+            let row = leading_row(seen.before, selected?)?;
+            seen.before.tracks.iter().flat_map(|cluster| &cluster.tracks).nth(row).map(estimated)
+        }
+        Some(Event::Pruned(_) | Event::Led(_) | Event::Revised(_) | Event::Done(..)) => {
+            let led = seen.events.iter().find_map(|event| match event {
+                Event::Led(leading) => Some(leading),
+                _ => None,
+            });
+            let mut tracks = led?.scans.iter().flat_map(|scan| &scan.tracks);
+            tracks.find(|track| Some(track.id) == selected).map(estimated)
+        }
+    }
+}
+
+/// The place of a track of the leading hypotheses among the tracks of all clusters.
+fn leading_row(state: &State, id: u32) -> Option<usize> {
+    let mut first = 0;
+    state.tracks.iter().find_map(|cluster| {
+        let leading = cluster.hypotheses.first().map_or(&[][..], |leader| &leader.tracks);
+        let found = leading.iter().find(|track| cluster.tracks[**track].id == id).map(|track| first + track);
+        first += cluster.tracks.len();
+        found
+    })
+}
+
+/// A predicted track with the detections in its gate.
+fn gated_track(gates: &Gates, row: usize) -> Option<TrackDensity<'_>> {
+    let mut near: Vec<_> = gates.distances.row(row).collect();
+    near.sort_by(|a, b| a.1.total_cmp(&b.1));
+    Some(TrackDensity {
+        measured: near.into_iter().map(|(column, _)| gates.measured[column]).collect(),
+        limit: Some(gates.limit),
+        ..TrackDensity::predicted(&gates.tracks.get(row)?.filter)
+    })
 }
 
 /// A number of hypotheses in words.

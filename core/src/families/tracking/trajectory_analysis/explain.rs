@@ -28,7 +28,7 @@ impl TrajectoryAnalysis {
             Some(Event::Unusual(..)) => line::IS_UNUSUAL,
             Some(Event::Learned(_)) => line::LEARN_DIRECTIONS,
         };
-        Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
+        Step { values: Vec::new(), line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }
 
     fn sentence(&self, seen: &Seen<Self>) -> Sentence {

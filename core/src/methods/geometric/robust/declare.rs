@@ -1,6 +1,6 @@
 //! The pseudocode that all robust estimators share.
 
-use crate::scene::{Case, Question, Reading};
+use crate::scene::{Question, Reading, Reply};
 
 /// The lines that all robust estimators share.
 pub(super) mod line {
@@ -12,7 +12,7 @@ pub(super) const QUESTIONS: &[Question] = &[
     Question::choice(
         "better",
         "Is the next hypothesis the best so far?",
-        &[Case::says(line::COUNT, "Discarded", "No: discarded"), Case::at(line::COUNT, "Yes")],
+        &[Reply::says(line::COUNT, "Discarded", "No: discarded"), Reply::at(line::COUNT, "Yes")],
     )
     .unless("the first hypothesis"),
     Question::number(

@@ -37,14 +37,19 @@ impl<M: RobustModel> Robust<M> {
                 matches(state.fixed.matches.len()),
                 self.0.name()
             );
-            return Step { line: line::MATCH, sentence: Sentence::default().text(sentence), readouts: Vec::new() };
+            return Step {
+                values: Vec::new(),
+                line: line::MATCH,
+                sentence: Sentence::default().text(sentence),
+                readouts: Vec::new(),
+            };
         };
         let (line, sentence) = self.said(seen, last);
         let sentence = match seen.after {
             Some(after) => self.concluded(seen.clip, after, sentence),
             None => sentence,
         };
-        Step { line, sentence, readouts: self.readouts(seen, last) }
+        Step { values: Vec::new(), line, sentence, readouts: self.readouts(seen, last) }
     }
 
     fn said(&self, seen: &Seen<Self>, event: &Event) -> (Name, Sentence) {

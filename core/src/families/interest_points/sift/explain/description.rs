@@ -1,74 +1,58 @@
 //! The descriptor of a keypoint: its cells, their histograms, and the limit of the entries.
 
-use super::super::{Event, Oriented, Sift, Stage, State};
+use super::super::{Event, Oriented, Sift, Stage, case, features, line, value};
 use super::orientation::arrow;
 use super::{BLOB_RADIUS, is_over};
-use crate::base::words::{self, gray};
 use crate::methods::scale_space::{BINS, CELLS, CLAMP, Descriptor, SIDE};
 use crate::run::Seen;
-use crate::scene::{Arrow, Canvas, Fact, Picture, Readout, Role, Scene, Sentence, Series, Shape};
+use crate::scene::{Arrow, Canvas, Picture, Readout, Role, Scene, Series, Shape, Step};
+
+/// The label of the entries of a normalised descriptor.
+const UNIT_LENGTH: &str = "entry of length 1";
 
 impl Sift {
-    pub(super) fn cell_said(&self, state: &State, cell: usize) -> Sentence {
-        let Some(oriented) = state.oriented.get(state.next) else { return Sentence::default() };
-        let bins = self.gathered(&state.space, oriented).0;
-        let bins = &bins[cell * BINS..][..BINS];
-        let strongest = (0..BINS).max_by(|a, b| bins[*a].total_cmp(&bins[*b])).unwrap_or_default();
-        let degrees = oriented.angle_rad.to_degrees();
-        Sentence::default().text(format!(
-            "Cell {} of {CELLS}, turned by the orientation {}° and {} px of the octave wide: gradients relative to the orientation fill 8 bins \
-             of 45°. The strongest is {}°.",
-            cell + 1,
-            words::fixed(degrees.into(), 0),
-            gray(self.place(oriented).cell_px()),
-            45 * strongest
-        ))
-    }
-
-    pub(super) fn norm_said(&self, state: &State) -> Sentence {
-        let Some(oriented) = state.oriented.get(state.next) else { return Sentence::default() };
-        let raw = self.gathered(&state.space, oriented);
-        let length = raw.0.iter().map(|v| v * v).sum::<f32>().sqrt();
-        Sentence::default().text(format!(
-            "The {} entries have the length {}; divided by it they no longer depend on the contrast of the picture.",
-            CELLS * BINS,
-            gray(length)
-        ))
-    }
-
-    pub(super) fn clamp_said(&self, state: &State) -> Sentence {
-        let Some(oriented) = state.oriented.get(state.next) else { return Sentence::default() };
-        let entries = self.gathered(&state.space, oriented).normalised().0;
-        let count = entries.iter().filter(|v| **v > CLAMP).count();
-        let what = match count {
-            0 => "No entry exceeds 0.2.".to_owned(),
-            1 => "1 entry exceeds 0.2 and is limited to it.".to_owned(),
-            count => format!("{count} entries exceed 0.2 and are limited to it."),
-        };
-        Sentence::default().text(format!(
-            "{what} The limit keeps single large gradients, as at a highlight, from outweighing all others. Normalised again, this is \
-             the descriptor."
-        ))
-    }
-
-    pub(super) fn descriptor_readouts(&self, seen: &Seen<Self>, event: Event) -> Vec<Readout> {
+    /// Explains a cell, the normalisation or the limit of a descriptor.
+    pub(super) fn described(&self, seen: &Seen<Self>, event: Event) -> Step {
         let state = seen.before;
-        let Some(oriented) = state.oriented.get(state.next) else { return Vec::new() };
-        let raw = self.gathered(&state.space, oriented);
-        let (shown, label, filled) = match event {
-            Event::Cell(cell) => (raw, "weight", cell + 1),
-            Event::Normalised => (raw.normalised(), "entry of length 1", CELLS),
-            _ => (raw.finished(), "entry of length 1", CELLS),
+        let line = match event {
+            Event::Cell(_) => line::FILL_CELL,
+            Event::Normalised => line::NORMALISE,
+            _ => line::CLAMP,
         };
+        let Some(oriented) = state.oriented.get(state.next) else { return Step::at(line) };
         let (at, sigma_px) = self.in_frame(&oriented.refined);
-        let facts = vec![
-            Fact::new("Keypoint", format!("{} of {}", state.next + 1, state.oriented.len()), None),
-            Fact::new("Position", format!("{} px", words::place(at)), Some(Role::Reference)),
-            Fact::new("σ in px of the frame", gray(sigma_px), None),
-            Fact::new("Orientation", format!("{}°", words::fixed(oriented.angle_rad.to_degrees().into(), 1)), None),
-        ];
-        let series = descriptor_series(&shown, label, filled, matches!(event, Event::Normalised));
-        vec![Readout::Facts(facts), Readout::Series(series), Readout::Tiles(vec![self.patch(state, &oriented.refined)])]
+        let step = Step::at(line).fact(features::KEYPOINT, state.next + 1);
+        let step = step.fact(features::KEYPOINTS, state.oriented.len()).fact(features::POSITION, at);
+        let step = step.fact(value::SIGMA_IN_FRAME, sigma_px);
+        let step = step.fact(features::ORIENTATION, oriented.angle_rad.to_degrees());
+        let raw = self.gathered(&state.space, oriented);
+        let (step, series) = match event {
+            Event::Cell(cell) => {
+                let bins = &raw.0[cell * BINS..][..BINS];
+                let strongest = (0..BINS).max_by(|a, b| bins[*a].total_cmp(&bins[*b])).unwrap_or_default();
+                let step = step.put(value::CELL, cell + 1).put(value::CELL_WIDTH, self.place(oriented).cell_px());
+                (
+                    step.put(value::DIRECTION, 45 * strongest).say(case::CELL),
+                    descriptor_series(&raw, "weight", cell + 1),
+                )
+            }
+            Event::Normalised => {
+                let length = raw.0.iter().map(|v| v * v).sum::<f32>().sqrt();
+                let series = descriptor_series(&raw.normalised(), UNIT_LENGTH, CELLS);
+                let thresholds = vec![("limit".to_owned(), CLAMP)];
+                (step.put(value::LENGTH, length).say(case::NORMALISED), Series { thresholds, ..series })
+            }
+            _ => {
+                let count = raw.normalised().0.iter().filter(|v| **v > CLAMP).count();
+                let step = step.put(value::LARGE_ENTRIES, count).say(match count {
+                    0 => case::NONE_LARGE,
+                    1 => case::ONE_LARGE,
+                    _ => case::SOME_LARGE,
+                });
+                (step.say(case::CLAMPED), descriptor_series(&raw.finished(), UNIT_LENGTH, CELLS))
+            }
+        };
+        step.show(Readout::Series(series)).show(Readout::Tiles(vec![self.patch(state, &oriented.refined)]))
     }
 
     pub(super) fn draw_description(&self, seen: &Seen<Self>, scene: &mut Scene) {
@@ -101,7 +85,7 @@ impl Sift {
     }
 
     /// The rotated grid of cells, each filled one with the directions of its histogram.
-    pub(super) fn draw_window(&self, seen: &Seen<Self>, oriented: &Oriented, scene: &mut Scene) {
+    fn draw_window(&self, seen: &Seen<Self>, oriented: &Oriented, scene: &mut Scene) {
         let (place, pixel_px) = (self.place(oriented), self.shape().pixel_px(oriented.refined.at.octave));
         let at = |cells: [f32; 2]| place.at_cells(cells).map(|c| c * pixel_px);
         let half = SIDE as f32 / 2.0;
@@ -136,12 +120,7 @@ impl Sift {
 }
 
 /// The 128 entries of a descriptor, those of the first `filled` cells.
-pub(super) fn descriptor_series(
-    descriptor: &Descriptor,
-    y_label: &'static str,
-    filled: usize,
-    shows_clamp: bool,
-) -> Series {
+fn descriptor_series(descriptor: &Descriptor, y_label: &'static str, filled: usize) -> Series {
     let points = Series::bars(descriptor.0.iter().take(filled * BINS).copied());
     Series {
         title: "Descriptor",
@@ -152,14 +131,13 @@ pub(super) fn descriptor_series(
         sections: Series::cells(SIDE, BINS),
         columns: Some(SIDE),
         lines: vec![("entries", Role::Result, points)],
-        thresholds: if shows_clamp { vec![("limit".to_owned(), CLAMP)] } else { Vec::new() },
         is_sweep: true,
         ..Series::default()
     }
 }
 
 /// The smallest rectangle around corners, as min and max.
-pub(super) fn around_all(corners: [[f32; 2]; 4]) -> [[f32; 2]; 2] {
+fn around_all(corners: [[f32; 2]; 4]) -> [[f32; 2]; 2] {
     let along = |i: usize, pick: fn(f32, f32) -> f32| corners.iter().map(|at| at[i]).fold(corners[0][i], pick);
     [f32::min, f32::max].map(|pick| [along(0, pick), along(1, pick)])
 }

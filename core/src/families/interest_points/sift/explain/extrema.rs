@@ -1,12 +1,11 @@
 //! The search for extrema among 26 neighbours in position and scale.
 
-use super::super::{Event, Row, Sift, Stage, State};
-use crate::base::words::{self, gray, pixel};
+use super::super::{Event, Row, Sift, Stage, State, case, features, value};
 use crate::geometry::Grid;
 use crate::methods::differential::explain;
 use crate::methods::scale_space::{Extremum, Refined, beats};
 use crate::run::Seen;
-use crate::scene::{Fact, Picture, Role, Scene, Sentence, Shape, Tile};
+use crate::scene::{Name, Picture, Readout, Role, Scene, Shape, Step, Tile};
 
 /// The differences of Gaussians below, at and above a pixel, with its position.
 pub(super) struct Around<'a> {
@@ -15,30 +14,34 @@ pub(super) struct Around<'a> {
 }
 
 impl Around<'_> {
-    fn value(&self) -> f32 {
-        self.differences[1][(self.at.x, self.at.y)]
+    /// Explains the comparison of the pixel with its 26 neighbours.
+    pub(super) fn compared(&self, step: Step) -> Step {
+        let place = (self.at.x, self.at.y);
+        let value = self.differences[1][place];
+        let step = step.put_value(features::PIXEL.is(place).inked(Role::Candidate)).put(value::D, value);
+        let step = match beats(self.differences, place) {
+            None => step.say(if value > 0.0 { case::MAXIMUM } else { case::MINIMUM }),
+            Some((level, at, other)) => {
+                let step = step.put(features::NEIGHBOUR, at).put(value::OTHER_D, other).say(case::NO_EXTREMUM);
+                step.say([case::AT_SMALLER, case::AT_SAME, case::AT_LARGER][level])
+            }
+        };
+        step.show(self.tiles())
+    }
+
+    /// The 3 × 3 × 3 neighbourhood of the pixel, as three tiles.
+    pub(super) fn tiles(&self) -> Readout {
+        let labels = ["D, smaller scale", "D, this scale", "D, larger scale"];
+        let values = self.differences.map(|difference| explain::around(difference, (self.at.x, self.at.y), 1));
+        let most = values.iter().flat_map(|grid| grid.cells()).fold(0.0f32, |most, v| most.max(v.abs())).max(1.0);
+        let tile = |(label, values)| Tile { label, role: None, values, range: [-most, most], framed: Vec::new() };
+        Readout::Tiles(labels.into_iter().zip(values).map(tile).collect())
     }
 }
 
 impl Sift {
     pub(super) fn current_row(&self, state: &State) -> Option<Row> {
         (state.stage == Stage::Extrema).then(|| self.row(state.picture.size(), state.next)).flatten()
-    }
-
-    /// Octave and level in words, counted from 1 as octaves are.
-    pub(super) fn scale_name(&self, octave: usize, level: usize) -> String {
-        let sigma = self.shape().sigma_of(level as f32) * self.shape().pixel_px(octave);
-        format!("octave {}, difference {} (σ = {} px of the frame)", octave + 1, level + 1, gray(sigma))
-    }
-
-    pub(super) fn row_said(&self, state: &State) -> String {
-        let Some(Row { octave, level, y }) = self.current_row(state) else { return String::new() };
-        format!(
-            "Row {y} of {}: each pixel with |D| above {} gray levels, half the contrast threshold, is compared with its 26 neighbours in \
-             position and scale.",
-            self.scale_name(octave, level),
-            gray(self.least())
-        )
     }
 
     pub(super) fn around<'a>(&self, state: &'a State, at: Extremum) -> Option<Around<'a>> {
@@ -58,20 +61,14 @@ impl Sift {
         self.around(state, Extremum { octave, level, x, y })
     }
 
-    pub(super) fn extremum_said(&self, state: &State, x: usize) -> Sentence {
-        let Some(Row { octave, level, y }) = self.current_row(state) else { return Sentence::default() };
-        let Some(around) = self.around(state, Extremum { octave, level, x, y }) else { return Sentence::default() };
-        compared(&around)
-    }
-
-    pub(super) fn row_facts(&self, seen: &Seen<Self>) -> Vec<Fact> {
-        let Some(Row { octave, level, y }) = self.current_row(seen.before) else { return Vec::new() };
+    /// The row that is searched.
+    pub(super) fn searched(&self, seen: &Seen<Self>, line: Name) -> Step {
+        let Some(Row { octave, level, y }) = self.current_row(seen.before) else { return Step::at(line) };
+        let sigma = self.shape().sigma_of(level as f32) * self.shape().pixel_px(octave);
         let found = seen.events.iter().filter(|event| matches!(event, Event::Extremum(_))).count();
-        vec![
-            Fact::new("Searched", self.scale_name(octave, level), None),
-            Fact::new("Row", y.to_string(), None),
-            Fact::new("Extrema so far", words::grouped(seen.before.extrema.len() + found), Some(Role::Candidate)),
-        ]
+        let step = Step::at(line).fact(value::OCTAVE, octave + 1).fact(value::DIFFERENCE, level + 1);
+        let step = step.fact(value::SIGMA_IN_FRAME, sigma).fact(features::ROW, y).put(value::LEAST, self.least());
+        step.fact(value::EXTREMA_SO_FAR, seen.before.extrema.len() + found)
     }
 
     pub(super) fn point_of(&self, at: &Extremum) -> [f32; 2] {
@@ -110,35 +107,4 @@ impl Sift {
             scene.mark(Picture::RESPONSE, Role::Reference, square);
         }
     }
-}
-
-/// The comparison of a pixel with its 26 neighbours.
-pub(super) fn compared(around: &Around) -> Sentence {
-    let (value, Extremum { x, y, .. }) = (around.value(), around.at);
-    let (extreme, larger) = if value > 0.0 { ("maximum", "larger") } else { ("minimum", "smaller") };
-    let said = Sentence::default().ink(Role::Candidate, format!("Pixel {}", pixel((x, y))));
-    match beats(around.differences, (x, y)) {
-        None => said.text(format!(
-            " has D = {} gray levels: none of its 26 neighbours is {larger}, a {extreme} in position and scale, the centre of a {} blob.",
-            gray(value),
-            if value > 0.0 { "dark" } else { "bright" }
-        )),
-        Some((level, at, other)) => said.text(format!(
-            " has D = {} gray levels, but its neighbour {} {} has {}: no extremum.",
-            gray(value),
-            pixel(at),
-            ["at the smaller scale", "at the same scale", "at the larger scale"][level],
-            gray(other)
-        )),
-    }
-}
-
-/// The 3 × 3 × 3 neighbourhood of a pixel, as three tiles.
-pub(super) fn neighbourhood(around: &Around) -> Vec<Tile> {
-    let place = (around.at.x, around.at.y);
-    let labels = ["D, smaller scale", "D, this scale", "D, larger scale"];
-    let values = around.differences.map(|difference| explain::around(difference, place, 1));
-    let most = values.iter().flat_map(|grid| grid.cells()).fold(0.0f32, |most, v| most.max(v.abs())).max(1.0);
-    let tile = |(label, values)| Tile { label, role: None, values, range: [-most, most], framed: Vec::new() };
-    labels.into_iter().zip(values).map(tile).collect()
 }

@@ -1,26 +1,28 @@
 //! The orientation histogram of a keypoint and its peaks.
 
-use super::super::{Event, Sift, State};
-use crate::base::words::{self, gray};
+use super::super::{Event, Sift, State, case, features, line, value};
 use crate::methods::differential::explain;
 use crate::methods::scale_space::{Extremum, Histogram, ORIENTATIONS, PEAK_RATIO, Peak, Refined};
 use crate::run::Seen;
-use crate::scene::{Arrow, Canvas, Picture, Readout, Role, Scene, Sentence, Series, Shape, Tile};
+use crate::scene::{Arrow, Canvas, Picture, Readout, Role, Scene, Series, Shape, Step, Tile};
 
 impl Sift {
-    pub(super) fn histogram_said(&self, state: &State) -> Sentence {
-        let Some(refined) = state.refined.get(state.next) else { return Sentence::default() };
+    /// Explains the orientation histogram of a keypoint or one of its peaks.
+    pub(super) fn oriented(&self, seen: &Seen<Self>, event: Event) -> Step {
+        let line = if let Event::Peak(_) = event { line::ORIENT } else { line::EACH_KEYPOINT };
+        let (step, state) = (Step::at(line), seen.before);
+        let Some(refined) = state.refined.get(state.next) else { return step };
         let sigma = self.sigma_in_octave(refined);
-        Sentence::default().text(format!(
-            "Gradient directions within {} px of the octave, weighted by their magnitudes and a Gaussian with 1.5 σ = {} px, fill 36 bins \
-             of 10°. The histogram is smoothed, and its peaks are the orientations.",
-            Histogram::radius_px(sigma),
-            gray(1.5 * sigma)
-        ))
-    }
-
-    pub(super) fn orientation_readouts(&self, state: &State) -> Vec<Readout> {
-        let Some(refined) = state.refined.get(state.next) else { return Vec::new() };
+        let step = step.put(value::WINDOW_RADIUS, Histogram::radius_px(sigma)).put(value::WEIGHT_SIGMA, 1.5 * sigma);
+        let step = match event {
+            Event::Peak(Peak { angle_rad, share, .. }) => {
+                let peaks = seen.events.iter().filter(|event| matches!(event, Event::Peak(_))).count();
+                let step = step.put(features::ORIENTATION, angle_rad.to_degrees()).put(value::PEAK, peaks);
+                let step = step.put(value::PEAK_SHARE, 100.0 * share);
+                step.say(if share == 1.0 { case::HIGHEST } else { case::FURTHER })
+            }
+            _ => step.say(case::HISTOGRAM),
+        };
         let histogram = self.histogram(&state.space, refined);
         let points = |bins: &[f32; ORIENTATIONS]| {
             bins.iter().enumerate().map(|(bin, weight)| [10.0 * bin as f32, *weight]).collect::<Vec<_>>()
@@ -38,8 +40,7 @@ impl Sift {
             is_sweep: true,
             ..Series::default()
         };
-        let patch = self.patch(state, refined);
-        vec![Readout::Series(series), Readout::Tiles(vec![patch])]
+        step.show(Readout::Series(series)).show(Readout::Tiles(vec![self.patch(state, refined)]))
     }
 
     /// The Gaussian image around a keypoint.
@@ -70,19 +71,6 @@ impl Sift {
             scene.mark(Picture::CURRENT, Role::Best, Shape::Arrows(arrows));
             scene.legend(Role::Best, "orientation");
         }
-    }
-}
-
-pub(super) fn peak_said(seen: &Seen<Sift>, peak: Peak) -> Sentence {
-    let peaks = seen.events.iter().filter(|event| matches!(event, Event::Peak(_))).count();
-    let degrees = words::fixed(peak.angle_rad.to_degrees().into(), 1);
-    let said = Sentence::default().text("Orientation ").ink(Role::Result, format!("{degrees}°"));
-    match peak.share == 1.0 {
-        true => said.text(", the highest peak, interpolated between bins. The descriptor is turned by it, so that it turns with the picture."),
-        false => said.text(format!(
-            ": a peak of {} of the highest, at least the required 80 %, so keypoint {peaks} has the same place and another orientation.",
-            words::percent((1000.0 * peak.share).round() / 1000.0)
-        )),
     }
 }
 

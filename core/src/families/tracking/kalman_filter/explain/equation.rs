@@ -1,8 +1,9 @@
 //! The formulas of the Kalman filter with their numbers.
 
+use crate::base::words::{further_digits, rounded, summands};
 use crate::families::tracking::kalman_filter::{Event, Gated, KalmanFilter, modes};
 use crate::methods::kalman::{Filter, MotionModel};
-use crate::methods::numbers::{px, ratio, squared};
+use crate::methods::numbers::{LENGTH_DECIMALS, RATIO_DECIMALS, fixed, px, squared};
 use crate::scene::{Math, Readout, Role};
 
 impl KalmanFilter {
@@ -104,41 +105,48 @@ fn update(gated: &Gated, after: &Filter) -> Option<Vec<Math>> {
         [bold("P"), becomes(), kept(), p, transposed(kept()), text(" + "), bold("K"), bold("R"), transposed(bold("K"))];
     let has_others = (1..numbers.residual.len()).any(|i| numbers.gain[(0, i)] * numbers.residual[i] != 0.0);
     let (open, close) = if residual < 0.0 { ("(", ")") } else { ("", "") };
+    let (before, after) = (gated.expected.place()[0], px(after.place()[0]));
+    let [length, share] = [LENGTH_DECIMALS, RATIO_DECIMALS];
+    let further = further_digits(|further| {
+        let [before, residual] = [before, residual].map(|of| rounded(of, length + further));
+        has_others || px(before + rounded(gain, share + further) * residual) == after
+    });
     let along_x = [
         Math::Var("x"),
         text(" = "),
-        Math::ink(Role::Predicted, px(gated.expected.place()[0])),
-        text(&format!(" + {} · {open}", ratio(gain))),
+        Math::ink(Role::Predicted, fixed(before, length + further)),
+        text(&format!(" + {} · {open}", fixed(gain, share + further))),
         // As the arrow of the innovation on the stage.
-        Math::ink(Role::Best, px(residual)),
+        Math::ink(Role::Best, fixed(residual, length + further)),
         text(&format!("{close}{} = ", if has_others { " + …" } else { "" })),
-        Math::ink(Role::Estimate, px(after.place()[0])),
+        Math::ink(Role::Estimate, after),
     ];
     Some([state.into(), covariance.into(), along_x.into()].map(Math::Row).into())
-}
-
-/// A term of a sum with the sign before it.
-fn term(value: f64) -> String {
-    let sign = if value < 0.0 { "−" } else { "+" };
-    format!(" {sign} {}", px(value.abs()))
 }
 
 /// The predicted x with its numbers: of a linear motion model as the sum that it is.
 fn prediction_along_x(before: &Filter, after: &Filter) -> Math {
     let text = |text: String| Math::text(text);
     let [x, u] = [before.place()[0], before.velocity()[0]];
-    let predicted = Math::ink(Role::Predicted, px(after.place()[0]));
+    let to = px(after.place()[0]);
+    let predicted = Math::ink(Role::Predicted, to.clone());
     let sum = || vec![Math::Var("x"), text(" + ".into()), Math::Var("u")];
-    let numbers = format!(" = {}{}", px(x), term(u));
     Math::Row(match before {
         Filter::Velocity(..) => {
-            [sum(), vec![text(numbers), text(" = ".into()), predicted, text(" px".into())]].concat()
+            let terms = summands([x, u], LENGTH_DECIMALS).concat();
+            [sum(), vec![text(format!(" = {terms} = ")), predicted, text(" px".into())]].concat()
         }
         Filter::Acceleration(_, estimate) => {
             let a = estimate.state[4];
-            let sign = if a < 0.0 { "−" } else { "+" };
+            let further = further_digits(|further| {
+                let [x, u, a] = [x, u, a].map(|of| rounded(of, LENGTH_DECIMALS + further));
+                px(x + u + a / 2.0) == to
+            });
+            let number = |of: f64| fixed(of.abs(), LENGTH_DECIMALS + further);
+            let sign = |of: f64| if of < 0.0 { "−" } else { "+" };
+            let minus = if x < 0.0 { "−" } else { "" };
             let acceleration = Math::indexed(Math::Var("a"), Math::Var("x"));
-            let numbers = format!("{numbers} {sign} ½ · {} = ", px(a.abs()));
+            let numbers = format!(" = {minus}{} {} {} {} ½ · {} = ", number(x), sign(u), number(u), sign(a), number(a));
             [sum(), vec![text(" + ½ ".into()), acceleration, text(numbers), predicted, text(" px".into())]].concat()
         }
         Filter::Turn(..) | Filter::Interacting(..) => vec![
