@@ -116,7 +116,7 @@ fn steps_beyond_the_run_are_refused_in_one_sentence() {
 }
 
 #[test]
-fn nobody_has_to_read_all_steps() {
+fn a_reader_may_stop_after_the_first_step() {
     let mut run = motionscope(&format!("run {CLIP} --estimator normal-flow --steps 0..end --json"))
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())

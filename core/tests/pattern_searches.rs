@@ -348,6 +348,7 @@ fn candidates(id: &str, settings: &[(&str, &str)], unit: usize, valley: Vector) 
     let readouts = walk.step(None).readouts;
     let Some(Readout::Facts(facts)) = readouts.first() else { panic!("facts come first") };
     let tested = &facts.iter().find(|fact| fact.label == "Tested").expect("sound").value;
+    let (tested, _) = tested.split_once(' ').expect("sound");
     (tested.parse().expect("sound"), found)
 }
 

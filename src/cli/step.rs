@@ -65,10 +65,10 @@ impl StepReport {
     }
 }
 
-/// The values of a step; of a variable that has several, the last one.
+/// The values of a step in their order; a variable of several objects has one for each.
 fn values(step: &Step) -> Vec<serde_json::Value> {
-    let is_last = |(i, value): &(usize, &Value)| !step.values[i + 1..].iter().any(|later| later.of == value.of);
-    step.values.iter().enumerate().filter(is_last).map(|(_, value)| of_value(value)).collect()
+    let is_new = |(i, value): &(usize, &Value)| !step.values[..*i].contains(value);
+    step.values.iter().enumerate().filter(is_new).map(|(_, value)| of_value(value)).collect()
 }
 
 fn of_value(value: &Value) -> serde_json::Value {
@@ -106,7 +106,7 @@ fn number(of: &Number) -> serde_json::Value {
     }
 }
 
-/// Prints the steps of a run from `first` to `last`, one object a line, until nobody reads any more.
+/// Prints the steps of a run from `first` to `last`, one object a line, until standard output is closed.
 ///
 /// # Errors
 /// If the run ends before `first`, fails, or standard output cannot be written.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use motionscope_core::products::{Assessment, Reference};
-use motionscope_core::scene::{Fact, Focus, Readout, Sentence, Value};
+use motionscope_core::scene::{Fact, Focus, Readout, Sentence};
 use motionscope_core::{
     Beside, CandidateCount, Clip, Cursor, Frame, Info, Levels, Output, Role, Scene, Step, Streaks, Walk,
 };
@@ -179,14 +179,11 @@ fn said(step: &Step, [long, short, shortest]: &[String; 3], in_all: &str) -> Vec
         Some(missed) => line.ink(Role::Error, missed.clone()),
         None => line,
     };
-    // A block search has its cost as a value of its own.
-    let told = |name| step.values.iter().rev().find(|value| value.of.name == name).map(Value::bare);
-    let cost = told("measure").zip(told("minimum")).map(|(measure, minimum)| format!("{measure} {minimum}"));
-    let value = cost.as_ref().map_or_else(|| best.value.clone(), |cost| format!("{}, {cost}", best.value));
-    let line =
-        |before: String, after: String| marked(Sentence::default().text(before).ink(role, value.clone())).text(after);
+    let line = |before: String, after: String| {
+        marked(Sentence::default().text(before).ink(role, best.value.clone())).text(after)
+    };
     // In a narrow tile the cost alone: where it lies is seen in the picture.
-    let cost = value.split_once(" px, ").map_or(&*value, |(_, cost)| cost);
+    let cost = best.value.split_once(" px, ").map_or(&*best.value, |(_, cost)| cost);
     vec![
         line(format!("{long}  ·  "), format!("  ·  {in_all} in all")),
         line(format!("{long}  ·  "), String::new()),

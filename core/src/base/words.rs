@@ -86,16 +86,18 @@ pub fn fine(v: f32) -> String {
 
 /// A count with its noun: `1 frame`, `3 frames`, `3 matches`, `3 trajectories`, `3 maxima`.
 pub fn counted(count: usize, one: &str) -> String {
-    if count == 1 {
-        return format!("1 {one}");
+    if count == 1 { format!("1 {one}") } else { format!("{count} {}", plural(one)) }
+}
+
+/// The plural of a noun: `frames`, `matches`, `trajectories`, `maxima`.
+pub fn plural(one: &str) -> String {
+    match one.strip_suffix('y') {
+        _ if one.is_empty() => String::new(),
+        Some(stem) if !stem.ends_with(['a', 'e', 'o', 'u']) => format!("{stem}ies"),
+        _ if one.ends_with("ch") => format!("{one}es"),
+        _ if one.ends_with("imum") => format!("{}a", &one[..one.len() - 2]),
+        _ => format!("{one}s"),
     }
-    let (stem, ending) = match one.strip_suffix('y') {
-        Some(stem) if !stem.ends_with(['a', 'e', 'o', 'u']) => (stem, "ies"),
-        _ if one.ends_with("ch") => (one, "es"),
-        _ if one.ends_with("imum") => (&one[..one.len() - 2], "a"),
-        _ => (one, "s"),
-    };
-    format!("{count} {stem}{ending}")
 }
 
 /// The message for an unknown name: the nearest of `names` if `given` looks like a misspelling of it, else all of them.

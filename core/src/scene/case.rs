@@ -118,7 +118,7 @@ const fn is_role(name: &[u8]) -> bool {
     false
 }
 
-/// Declares the cases of a step: a module `case` with a [`Case`] for each. What stands behind `over` are the modules of
+/// Declares the cases of a step: a module `case` with a [`Case`] for each. The modules behind `over` are those of
 /// [`variables!`](crate::variables!) whose values the texts may name; another name does not compile.
 ///
 /// ```

@@ -8,7 +8,7 @@ use super::case::find;
 use super::value::{Number, Value, ValueStyle};
 use crate::base::Error;
 
-/// Letters of variables; each is two bytes at most.
+/// Letters of variables.
 const LETTERS: &str = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ\
     αβγδεζηθικλμνξπρστυφχψωΓΔΘΛΞΠΣΦΨΩℓ";
 
@@ -227,7 +227,7 @@ impl<'a> Reader<'a> {
         Ok(shown(value, style, follows_sign))
     }
 
-    /// What stands behind a command or a script: a group, or one term.
+    /// The argument of a command or a script: a group, or one term.
     fn argument(&mut self) -> Result<Math, Error> {
         while self.peek() == Some(' ') {
             self.take();
@@ -289,7 +289,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// What stands behind a backslash.
+    /// A command after its backslash.
     fn command(&mut self, follows: bool) -> Result<Math, Error> {
         let letters = self.rest().chars().take_while(char::is_ascii_alphabetic).count();
         let length = if letters > 0 { letters } else { self.peek().map_or(0, char::len_utf8) };

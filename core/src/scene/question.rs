@@ -5,6 +5,7 @@
 
 use super::value::{Decimals, Value};
 use super::{Case, Name, Picture, Role, Scene, Shape, Step, Variable};
+use crate::base::words::plural;
 
 /// A question about the next result of an estimator.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -228,12 +229,13 @@ impl Question {
         Self { once: true, ..self }
     }
 
-    /// The unit of the number that is asked for; empty if it has none, or no number is asked for.
-    pub fn unit(&self) -> &'static str {
+    /// The unit of the number that is asked for, of a count what is counted; empty if it has none, or no number is asked for.
+    pub fn unit(&self) -> String {
         match self.asked {
-            Asked::Number(reading) => reading.unit,
-            Asked::Value { of, .. } if of.unit.decimals != Decimals::Count => of.unit.name,
-            Asked::Value { .. } | Asked::Choice(_) | Asked::Place { .. } => "",
+            Asked::Number(reading) => reading.unit.into(),
+            Asked::Value { of, .. } if of.unit.decimals == Decimals::Count => plural(of.unit.name),
+            Asked::Value { of, .. } => of.unit.name.into(),
+            Asked::Choice(_) | Asked::Place { .. } => String::new(),
         }
     }
 

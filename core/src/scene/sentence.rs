@@ -70,25 +70,15 @@ impl Sentence {
     pub fn say(mut self, case: &'static Case, values: &[Value]) -> Self {
         let is_apart = self.pieces.last().is_some_and(|last| !last.text().ends_with(' '));
         if is_apart && !case.text.starts_with([' ', ',', ';', '.', ':']) {
-            match self.pieces.last_mut() {
-                Some(Piece::Words(words, None)) => words.push(' '),
-                _ => self.pieces.push(Piece::Words(" ".into(), None)),
-            }
+            self.pieces.push(Piece::Words(" ".into(), None));
         }
-        for part in parts(case.text) {
-            // A space between coloured words and a value is no piece of its own.
-            if let (Part::Words(" ", None), Some(Piece::Words(words, _))) = (part, self.pieces.last_mut()) {
-                words.push(' ');
-                continue;
-            }
-            self.pieces.push(match part {
-                Part::Words(words, role) => Piece::Words(words.into(), role),
-                Part::Value { name, is_bare } => match find(values, name) {
-                    Some(value) => Piece::Value { value: Box::new(value.clone()), is_bare },
-                    None => Piece::Words(format!("{{{name}}}"), None),
-                },
-            });
-        }
+        self.pieces.extend(parts(case.text).map(|part| match part {
+            Part::Words(words, role) => Piece::Words(words.into(), role),
+            Part::Value { name, is_bare } => match find(values, name) {
+                Some(value) => Piece::Value { value: Box::new(value.clone()), is_bare },
+                None => Piece::Words(format!("{{{name}}}"), None),
+            },
+        }));
         self.cases.push(case);
         self
     }

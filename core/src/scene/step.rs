@@ -88,6 +88,18 @@ impl Step {
         self.put_value(value)
     }
 
+    /// Adds a value whose fact tells other values with it: `(3, −2) px, SAD 812`.
+    #[must_use]
+    #[inline(never)]
+    pub fn fact_as(self, value: Value, case: &'static Case) -> Self {
+        let (label, role) = (value.of.label, value.role);
+        let mut step = self.put_value(value);
+        let told = Sentence::default().say(case, &step.values);
+        let text: String = told.words().map(|(words, _)| words).collect();
+        step.facts_mut().push(Fact::new(label, text, role));
+        step
+    }
+
     /// Adds a value that stands among the facts, too, where it is known.
     #[must_use]
     pub fn fact_if(self, variable: &'static Variable, number: Option<impl Into<Number>>) -> Self {

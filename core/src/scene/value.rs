@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::Role;
-use crate::base::words::{counted, fixed, grouped, rounded, with_power};
+use crate::base::words::{fixed, grouped, plural, rounded, with_power};
 use crate::geometry::Grid;
 
 /// The declaration of a value, made with [`variables!`](crate::variables!).
@@ -171,7 +171,7 @@ impl Unit {
     }
 }
 
-/// What a value is made of.
+/// The content of a value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Number {
     /// A real number or a count; a percentage is of 100.
@@ -273,12 +273,9 @@ impl Value {
         let bare = self.bare();
         match (&self.number, self.unit) {
             (Number::Word(_), _) => bare,
-            (Number::Real(number), Unit { name, decimals: Decimals::Count }) => match name {
-                "" => bare,
-                // The plural is that of the noun; a count from 10 000 on has spaces.
-                _ => bare + &counted(*number as usize, name).trim_start_matches(|c: char| c.is_ascii_digit()),
-            },
             (_, Unit { name: "", .. }) => bare,
+            (Number::Real(1.0), Unit { name, decimals: Decimals::Count }) => format!("1 {name}"),
+            (Number::Real(_), Unit { name, decimals: Decimals::Count }) => format!("{bare} {}", plural(name)),
             (_, Unit { name: "°", .. }) => bare + "°",
             (_, Unit { name, .. }) => bare + " " + name,
         }

@@ -182,7 +182,7 @@ impl State {
         (!is_asked && !suits.parts.is_empty()).then_some(suits).into_iter().chain(families).collect()
     }
 
-    /// What the query finds by name; where there is none, by what it is about, even if misspelt, or else by the letters of its name.
+    /// Estimators whose names match the query; if none does, those whose descriptions match it, misspelt or not, or whose letters do.
     fn found(&self) -> Vec<usize> {
         let kind = |place: Place| place.min(Place::Beside);
         let all = self.all.iter().enumerate();

@@ -171,7 +171,10 @@ impl<'a> Maker<'a> {
                 at.x += galley.size().x;
             }
             before = words;
-            self.shapes.push(Shape::galley(corner, galley, Color32::PLACEHOLDER));
+            // Space between two colours has nothing to draw, and no bounds.
+            if !words.trim().is_empty() {
+                self.shapes.push(Shape::galley(corner, galley, Color32::PLACEHOLDER));
+            }
         }
         line.underlines().for_each(|underline| self.add(&underline));
     }

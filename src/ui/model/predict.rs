@@ -86,7 +86,7 @@ impl Open {
     }
 
     /// Returns the unit of the number that is asked for; empty if none is.
-    pub fn unit(&self) -> &'static str {
+    pub fn unit(&self) -> String {
         self.question.unit()
     }
 

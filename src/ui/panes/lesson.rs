@@ -320,7 +320,7 @@ fn readable_height(rows: &[Row], offset: f32, height: f32) -> f32 {
     let is_cut = |row: &Row| row.top < offset + height && row.bottom > offset + height + 0.5;
     let Some(cut) = rows.iter().position(is_cut) else { return height };
     let mut ends = rows[..cut].iter().zip(&rows[1..]).filter(|(row, _)| row.ends_sentence).map(|(_, next)| next.top);
-    // What announces a formula stands on one page with it.
+    // A sentence that announces a formula stays on one page with it.
     let announced = rows[..cut].iter().rev().take_while(|row| row.announces).last();
     let last = announced.map_or(rows[cut].top, |row| row.top);
     let end = ends.next_back().filter(|top| *top - offset >= FULL * height).unwrap_or(last);

@@ -456,7 +456,7 @@ mod tests {
         assert_eq!(told(&probed), ["x 3", "y 2", "G₂ 90.26", "D₁ −3.25"]);
     }
 
-    /// What a legend of three short entries, a long one and a colour scale shows in a room of so many letters and lines: the numbers of its
+    /// Lays out a legend of three short entries, a long one and a colour scale in this many letters and lines; returns the numbers of its
     /// entries, its scales and those that are left.
     fn fitted(is_list: bool, letters: f32, lines: f32) -> (Vec<usize>, usize, usize) {
         let mut fitted = None;

@@ -49,7 +49,7 @@ fn staged(mut step: Step, stage: &Stage) -> Step {
 }
 
 impl Probe<'_> {
-    /// What the last event means and what decided it, with its numbers and charts, behind what `lead` has.
+    /// The step of the last event, with its facts, formulas and charts, after the content of `lead`.
     pub fn step(&self, lead: Step) -> Step {
         let Some(last) = self.events.last() else { return self.opening(lead) };
         let at = |line| Step { line, ..self.facts(lead) };

@@ -2,7 +2,7 @@
 
 use super::explain::percent;
 use super::probe::Probe;
-use super::vocabulary::value;
+use super::vocabulary::{case, value};
 use super::{Cost, Event, Match, Neighbours, Patch, Skipped, Subpixel, Tester, Window, Workspace};
 use crate::data::{Between, Histogram};
 use crate::geometry::Grid;
@@ -121,34 +121,47 @@ impl Probe<'_> {
     /// Adds the facts: the block, the candidates tested, the one at hand, and the best.
     pub(super) fn facts(&self, step: Step) -> Step {
         let (block, settings, skipped) = (self.block(), &self.settings, self.skipped_here());
-        let between = self.tested() - self.whole_tested();
+        let (whole, between) = (self.whole_tested(), self.tested() - self.whole_tested());
         let mut step = step
-            .fact(value::BLOCK, self.index + 1)
+            .put(value::BLOCKS, self.pair.blocks.len())
+            .put(value::CORNER, (block.x, block.y))
             .put(value::WIDTH, block.width)
             .put(value::HEIGHT, block.height)
             .put(value::RANGE, settings.matching.search_range)
             .put(value::LABEL, settings.label())
             .put(value::MEASURE, settings.measure())
-            .fact(value::TESTED, self.tested());
+            .put(value::CANDIDATES, self.window.count())
+            .put(value::TESTED, self.tested())
+            .put(value::BETWEEN, between)
+            .fact_as(value::BLOCK.is(self.index + 1), case::BLOCK_OF)
+            .fact_as(
+                value::WHOLE_TESTED.is(whole),
+                if between > 0 { case::TESTED_WITH_BETWEEN } else { case::TESTED_OF },
+            );
         if let Some(Event::Skipped(skipped)) = self.events.last() {
-            let bound = settings.cost(value::LOWER_BOUND, self.bound_of(skipped));
-            step = step.fact(value::CANDIDATE, skipped.displacement).fact_of(bound);
+            step = step.put_value(settings.cost(value::LOWER_BOUND, self.bound_of(skipped)));
+            step = step.fact_as(value::CANDIDATE.is(skipped.displacement), case::CANDIDATE_BOUND);
         } else if let Some((candidate, rows)) = self.at_hand() {
-            let cost = if rows < block.height { value::LOWER_BOUND } else { value::COST };
-            step = step.fact(value::CANDIDATE, candidate.vector()).fact_of(settings.cost(cost, candidate.cost));
+            let (cost, with) = match rows < block.height {
+                true => (value::LOWER_BOUND, case::CANDIDATE_BOUND),
+                false => (value::COST, case::CANDIDATE_COST),
+            };
+            step = step.put_value(settings.cost(cost, candidate.cost));
+            step = step.fact_as(value::CANDIDATE.is(candidate.vector()), with);
         }
         if skipped > 0 {
             let share = percent(skipped, self.window.count());
-            step = step.fact(value::SKIPPED, skipped).fact(value::SHARE_SKIPPED, share);
+            step = step.put(value::SHARE_SKIPPED, share).fact_as(value::SKIPPED.is(skipped), case::SKIPPED_OF);
         }
-        if let Some(best) = self.best() {
-            let at = if self.is_over() { value::DISPLACEMENT } else { value::BEST };
-            step = step.fact_of(settings.cost(value::MINIMUM, best.cost)).fact(at, best.vector());
-        }
-        step.fact(value::CANDIDATES, self.window.count())
-            .fact_if(value::BETWEEN, (between > 0).then_some(between))
-            .fact(value::CORNER, (block.x, block.y))
-            .fact(value::BLOCKS, self.pair.blocks.len())
+        let Some(best) = self.best() else { return step };
+        let is_fitted = settings.refinement.subpixel == Subpixel::Parabola && best.fraction != [0.0; 2];
+        let (at, with) = match self.is_over() {
+            true if is_fitted => (value::DISPLACEMENT, case::FITTED_COST),
+            true => (value::DISPLACEMENT, case::DISPLACEMENT_COST),
+            false => (value::BEST, case::BEST_COST),
+        };
+        let step = step.put(value::TESTED_AT, best.displacement).put_value(settings.cost(value::MINIMUM, best.cost));
+        step.fact_as(at.is(best.vector()), with)
     }
 
     /// The pixels of the block and of the candidate: `(frame t, frame t + 1)`.

@@ -13,11 +13,11 @@ crate::variables! { pub(crate) mod value;
     /// The coarsest level of the pyramid.
     COARSEST: "Coarsest level", "", Unit::WHOLE;
     /// The number of blocks.
-    BLOCKS: "Blocks", "", Unit::count("block");
+    BLOCKS: "", "", Unit::count("block");
     /// The number of the block, from 1.
     BLOCK: "Block", "", Unit::WHOLE, Role::Reference;
     /// The upper left corner of the block in frame t.
-    CORNER: "Corner", "", Unit::WHOLE;
+    CORNER: "", "", Unit::WHOLE;
     /// The width of the block, or of the level.
     WIDTH: "", "", Unit::WHOLE;
     /// The height of the block, or of the level.
@@ -29,15 +29,17 @@ crate::variables! { pub(crate) mod value;
     /// The number of rows of the search window.
     ROWS: "", "", Unit::WHOLE;
     /// The number of candidates in the search window.
-    CANDIDATES: "Candidates", "", Unit::count("candidate");
+    CANDIDATES: "", "", Unit::count("candidate");
     /// The number of candidates tested.
-    TESTED: "Tested", "", Unit::count("tested candidate");
+    TESTED: "", "", Unit::count("tested candidate");
+    /// The number of candidates tested at whole pixels.
+    WHOLE_TESTED: "Tested", "", Unit::count("candidate");
     /// The number of candidates tested between pixels.
-    BETWEEN: "Between pixels", "", Unit::WHOLE;
+    BETWEEN: "", "", Unit::WHOLE;
     /// The number of candidates skipped by a lower bound.
     SKIPPED: "Skipped", "", Unit::count("candidate");
     /// The share of the candidates of the search window that were skipped.
-    SHARE_SKIPPED: "Share skipped", "", Unit::PERCENT;
+    SHARE_SKIPPED: "", "", Unit::PERCENT;
     /// The name of the cost.
     LABEL: "", "", Unit::WHOLE;
     /// The name of the cost as it stands before a number.
@@ -45,11 +47,11 @@ crate::variables! { pub(crate) mod value;
     /// The displacement under test.
     CANDIDATE: "Candidate", "(u, v)", Unit::DISPLACEMENT, Role::Candidate;
     /// The cost of the candidate.
-    COST: "Cost", "c", Unit::WHOLE, Role::Candidate;
+    COST: "", "c", Unit::WHOLE, Role::Candidate;
     /// A lower bound of the cost of the candidate.
-    LOWER_BOUND: "Lower bound", "", Unit::WHOLE, Role::Candidate;
+    LOWER_BOUND: "", "", Unit::WHOLE, Role::Candidate;
     /// The lowest cost so far.
-    MINIMUM: "Minimum", r"c_{\min}", Unit::WHOLE, Role::Best;
+    MINIMUM: "", r"c_{\min}", Unit::WHOLE, Role::Best;
     /// The displacement with the lowest cost so far.
     BEST: "Best so far", "", Unit::DISPLACEMENT, Role::Best;
     /// The motion vector of the block.
@@ -229,6 +231,15 @@ crate::cases! { pub(crate) over value;
              frame t+1",
     CUT: ", cut at the picture border,",
     WINDOW_HOLDS: " holds {columns}×{rows} = {candidates}.",
+    BLOCK_OF: "{block} of {blocks:bare}, at {corner}",
+    TESTED_OF: "{whole_tested:bare} of {candidates:bare}",
+    TESTED_WITH_BETWEEN: "{whole_tested:bare} of {candidates:bare}, {between} between pixels",
+    SKIPPED_OF: "{skipped:bare} of {candidates}, {share_skipped}",
+    CANDIDATE_COST: "{candidate}, {measure} {cost}",
+    CANDIDATE_BOUND: "{candidate}, {label} ≥ {lower_bound}",
+    BEST_COST: "{best}, {measure} {minimum}",
+    DISPLACEMENT_COST: "{displacement}, {measure} {minimum}",
+    FITTED_COST: "{displacement}, {measure} {minimum} at {tested_at}",
     COST_KNOWN: "Its cost is known already, or it lies outside the search window.",
     BOTH_KNOWN: "Both costs are known already, or outside the search window.",
     ALL_KNOWN: "All {asked} costs are known already, or outside the search window.",

@@ -5,7 +5,7 @@ use crate::data::Flow;
 use crate::geometry::Sampling;
 use crate::scene::{Case, Role, Step, Unit};
 
-/// What would help where a method fails.
+/// Remedies for the failures of a method.
 pub struct Advice {
     /// Where the window or pixel has too little texture, or only an edge.
     pub texture: &'static Case,

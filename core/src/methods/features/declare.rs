@@ -23,7 +23,7 @@ variables! { pub(crate) mod value;
     FLAT_LIMIT: "", "", Unit::RESPONSE;
     /// The smallest response of a corner.
     THRESHOLD: "Threshold", "", Unit::RESPONSE;
-    /// What became of the pixel.
+    /// The fate of the pixel.
     STATUS: "Status", "", Unit::WHOLE;
     /// The threshold relative to the largest response (quality level).
     QUALITY: "", "", Unit { name: "%", ..Unit::SET };
@@ -105,7 +105,7 @@ cases! { pub(crate) over value;
     APART: "A smaller minimum distance keeps more corners; a lower threshold also finds weaker ones.",
 }
 
-/// What became of a pixel after it was measured.
+/// The fate of a pixel after its response was computed.
 pub(crate) struct Status {
     /// The line that decided it.
     pub line: Name,

@@ -13,7 +13,7 @@ pub struct Surroundings {
 }
 
 impl Surroundings {
-    /// Those of a predicted position that is measured with this standard deviation.
+    /// Surroundings of a predicted position that is measured with this standard deviation.
     pub fn of(predicted: &Filter, deviation: f64) -> Self {
         /// How far they reach, in standard deviations of a measured position: farther than any gate.
         const REACH: f64 = 4.8;

@@ -3,7 +3,7 @@
 use crate::methods::kalman::{Filter, Measurement, Surroundings};
 use crate::scene::{Readout, Role};
 
-/// What a step knows of a track.
+/// The estimates of a track at a step, with its measurements.
 pub(crate) struct TrackDensity<'a> {
     /// The prediction.
     pub predicted: &'a Filter,

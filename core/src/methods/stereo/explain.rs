@@ -40,7 +40,7 @@ crate::variables! { pub(crate) mod value;
     LAST: "Last disparity", "", WHOLE_PX;
     /// The number of disparities searched.
     SEARCHED: "Disparities", "", Unit::count("disparity");
-    /// What is wrong with the views.
+    /// The warning about the views.
     WARNING: "Views", "", Unit::WHOLE, Role::Error;
     /// The number of pixels of a view.
     PIXELS: "Pixels", "", Unit::count("pixel");

@@ -30,7 +30,7 @@ const LEAST_ALIGNED: f32 = 0.75;
 const REACH: usize = 60;
 
 /// Returns the picture that initialises the model of the frames `span` of a clip. The samples of a median are aligned and have the
-/// exposure of the first of them, as far as `setup` asks for it.
+/// exposure of the first of them, where `setup` asks for it.
 ///
 /// # Errors
 /// If a frame cannot be read.

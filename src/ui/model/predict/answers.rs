@@ -52,7 +52,7 @@ pub struct Verdict {
     /// The guess that is nearest, counted from 1, and its distance from the answer.
     pub nearest: Option<(usize, f64)>,
     /// The unit of the distance.
-    pub unit: &'static str,
+    pub unit: String,
     /// Number of its decimals.
     pub decimals: usize,
 }
@@ -101,7 +101,9 @@ impl Guesses {
         let all = self.hands.iter().sum();
         let choices = question.choices();
         let (indices, names, told, nearest, (unit, decimals)) = match answer {
-            Answer::Choice(index) => (vec![*index], choices, question.choices()[*index].to_owned(), None, ("", 0)),
+            Answer::Choice(index) => {
+                (vec![*index], choices, question.choices()[*index].to_owned(), None, (String::new(), 0))
+            }
             Answer::Place { at, from, .. } => {
                 let directed = from.filter(|_| at.len() == 1).map_or_else(Vec::new, |from| directions(from, at[0]));
                 let told = match &at[..] {
@@ -109,13 +111,13 @@ impl Guesses {
                     all => format!("{} places", all.len()),
                 };
                 let off = nearest(self.places.iter().map(|guess| distance(guess.at, at)));
-                (directed, DIRECTIONS.to_vec(), told, off, ("px", 1))
+                (directed, DIRECTIONS.to_vec(), told, off, ("px".into(), 1))
             }
             Answer::Number { value, shown } => {
                 let unit = question.unit();
                 let decimals = shown.split_once('.').map_or(0, |(_, decimals)| decimals.len());
                 let off = nearest(self.numbers.iter().map(|guess| (guess - value).abs()));
-                (Vec::new(), choices, [shown, unit].join(" ").trim_end().to_owned(), off, (unit, decimals))
+                (Vec::new(), choices, format!("{shown} {unit}").trim_end().to_owned(), off, (unit, decimals))
             }
         };
         let hands = indices.iter().filter_map(|index| self.hands.get(*index)).sum();

@@ -77,7 +77,7 @@ mod tests {
             hands: [1, 2],
             guesses: 3,
             nearest: Some((2, 0.5)),
-            unit: "px",
+            unit: "px".into(),
             decimals: 1,
         };
         let (clip, step) = ("waves".into(), "3.4".into());

@@ -297,7 +297,7 @@ fn link(role: Role, from: [f32; 2], to: [f32; 2]) -> Link {
     Link { role, ends: [(Picture::CURRENT, from), (Picture::NEXT, to)] }
 }
 
-/// The neighbours of the keypoint as far as they are found.
+/// The neighbours of the keypoint found so far.
 fn neighbors(seen: &Seen<FeatureMatching>) -> Neighbors {
     let found = seen.events.iter().rev().find_map(|event| match event {
         Event::Of(Compared::Found(neighbors)) => Some(*neighbors),

@@ -410,7 +410,7 @@ impl SceneFlow {
     }
 }
 
-/// What the estimator needs and does, or what is missing.
+/// Explains the beginning of a run: the input and the method, or the input that is missing.
 fn starting(seen: &Seen<SceneFlow>) -> Step {
     let (depths, rig) = (seen.before.fixed.depths, seen.before.fixed.calibration);
     let step = Step::at(line::TAKE_VIEWS);
