@@ -32,7 +32,7 @@ use crate::media::{self, Given, Info, Open};
 use crate::session::{Named, trust};
 use crate::ui;
 use args::{Args, Command};
-use print::{say, say_json};
+use print::{say, say_json, to_json};
 
 /// Runs the command; errors go to standard error as one sentence.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
@@ -85,7 +85,7 @@ fn run(args: Args) -> Result<(), Error> {
             let Named { source, given, .. } = Named::find(&clip, args.with(Given { truth, ..Given::default() }))?;
             let clip = source.open(&Open { count, given, ..Open::default() })?;
             let info = Info::of(&clip).with_repeats(&clip, count);
-            if json { say_json(&report::to_json(&info)?) } else { say(&info.to_string()) }
+            if json { say_json(&to_json(&info)?) } else { say(&info.to_string()) }
         }
         Some(Command::Synth { name, out, set, list }) => match (name, out) {
             (Some(name), Some(out)) if !list => synth(&name, &out, &set),

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::io::{self, Write as _};
 
 use motionscope_core::{Error, is_command, printable};
+use serde::Serialize;
 
 /// Writes `text` to standard output; a closed pipe is no error.
 ///
@@ -32,6 +33,14 @@ pub fn say_line(json: &str) -> Result<bool, Error> {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(false),
         Err(error) => Err(unwritable(&error)),
     }
+}
+
+/// Returns `value` as one line of JSON.
+///
+/// # Errors
+/// If it cannot be written as JSON.
+pub fn to_json(value: &impl Serialize) -> Result<String, Error> {
+    serde_json::to_string(value).map_err(|error| Error::new(format!("the result cannot be written as JSON: {error}")))
 }
 
 /// Writes a warning or a note to standard error.

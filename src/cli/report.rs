@@ -6,7 +6,7 @@ use motionscope_core::products::epipolar::Pose;
 use motionscope_core::products::model::Matrix3;
 use motionscope_core::products::{Assessment, Figure};
 use motionscope_core::scene::{Fact, Picture, Readout};
-use motionscope_core::{Cursor, EpipolarField, Error, Extent, ModelField, Output, Step, fixed};
+use motionscope_core::{Cursor, EpipolarField, Extent, ModelField, Output, Step, fixed};
 use serde::{Serialize, Serializer};
 use serde_json::Map;
 
@@ -326,12 +326,4 @@ fn bare(value: &serde_json::Value) -> String {
         serde_json::Value::String(text) => text.clone(),
         other => other.to_string(),
     }
-}
-
-/// Returns `value` as one line of JSON.
-///
-/// # Errors
-/// If it cannot be written as JSON.
-pub fn to_json(value: &impl Serialize) -> Result<String, Error> {
-    serde_json::to_string(value).map_err(|error| Error::new(format!("the result cannot be written as JSON: {error}")))
 }

@@ -13,8 +13,8 @@ use motionscope_core::{
 
 use super::args::RunArgs;
 use super::outputs::{self, check_folder, refuse_losses};
-use super::print::{remark, say, say_beside, say_json};
-use super::report::{ExplainedPixel, Findings, Report, Timing, to_json};
+use super::print::{remark, say, say_beside, say_json, to_json};
+use super::report::{ExplainedPixel, Findings, Report, Timing};
 use super::step::{StepReport, print_steps};
 use super::task;
 use crate::experiment::pixel::{Chosen, Pixel};

@@ -5,8 +5,7 @@ use motionscope_core::{Cursor, Direction, Error, Move, Role, Step, Walk};
 use serde::Serialize;
 use serde_json::json;
 
-use super::print::say_line;
-use super::report::to_json;
+use super::print::{say_line, to_json};
 use crate::experiment::Prepared;
 
 /// A step in JSON.
