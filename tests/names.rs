@@ -64,8 +64,6 @@ const OTHERWISE: [(&str, &str, &str); 50] = [
     ("src/ui/panes/granularities.rs", "step", "any granularity"),
     ("src/ui/panes/timeline.rs", "step", "any granularity"),
     ("src/view/panes.rs", "stage", "a pane"),
-    ("src/view/worksheet/equation.rs", "level", "a part of a unit"),
-    ("src/view/worksheet/equation.rs", "levels", "a part of a unit"),
 ];
 
 /// The names that the registry declares.

@@ -113,6 +113,12 @@ pub fn width(text: &str, face: Face, size: f32) -> f32 {
     place(text, face, size).1
 }
 
+/// The characters of `text` that no font has.
+#[cfg(test)]
+pub fn missing(text: &str, face: Face, size: f32) -> String {
+    place(text, face, size).0.into_iter().filter(|placed| placed.glyph.0 == 0).map(|placed| placed.c).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -9,6 +9,8 @@ pub mod page;
 pub mod panes;
 pub mod paper;
 pub mod rendering;
+#[cfg(test)]
+mod samples;
 pub mod sheet;
 pub mod steps;
 pub mod still;

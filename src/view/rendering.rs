@@ -14,7 +14,6 @@ use super::moment::Moment;
 use super::panes::Selection;
 use super::sheet::Layout;
 use super::tile;
-use crate::paint::charts::explanation::equation_of;
 use crate::paint::charts::relief::risen;
 use crate::paint::{self, Caption, Figure, FigureOptions, Part, View, export_pdf, export_png, export_svg};
 
@@ -171,7 +170,7 @@ impl Rendering<'_> {
             details: format!("{clip} · {}", settings_text(self.estimator)),
             place: format!("step {cursor}"),
             formula: match self.look.caption {
-                CaptionWords::Full => equation_of(step).to_vec(),
+                CaptionWords::Full => step.formulas().to_vec(),
                 CaptionWords::Off | CaptionWords::On => Vec::new(),
             },
             sentence: match tiles.first() {

@@ -87,25 +87,17 @@ impl Math {
         Math::Matrix(entries.into_iter().map(|entry| vec![entry]).collect())
     }
 
-    /// The same formula with its values as text.
-    #[must_use]
-    pub fn spelled(&self) -> Math {
-        let inner = |math: &Math| Box::new(math.spelled());
+    /// Its values and how each is written, from left to right.
+    pub fn values(&self) -> Vec<(&Value, ValueStyle)> {
         match self {
-            Math::Value(value, style) => Math::Text(style.text(value), value.role),
-            Math::Text(..) | Math::Var(_) | Math::Bold(_) => self.clone(),
-            Math::Row(parts) => Math::Row(parts.iter().map(Math::spelled).collect()),
-            Math::Sub(base, index) => Math::Sub(inner(base), inner(index)),
-            Math::Sup(base, exponent) => Math::Sup(inner(base), inner(exponent)),
-            Math::Frac(top, bottom) => Math::Frac(inner(top), inner(bottom)),
-            Math::Sum(index) => Math::Sum(inner(index)),
-            Math::Abs(of) => Math::Abs(inner(of)),
-            Math::Sqrt(of) => Math::Sqrt(inner(of)),
-            Math::Bar(of) => Math::Bar(inner(of)),
-            Math::Hat(of) => Math::Hat(inner(of)),
-            Math::Matrix(rows) => {
-                Math::Matrix(rows.iter().map(|row| row.iter().map(Math::spelled).collect()).collect())
+            Math::Value(value, style) => vec![(value, *style)],
+            Math::Text(..) | Math::Var(_) | Math::Bold(_) => Vec::new(),
+            Math::Row(parts) => parts.iter().flat_map(Math::values).collect(),
+            Math::Matrix(rows) => rows.iter().flatten().flat_map(Math::values).collect(),
+            Math::Sub(first, second) | Math::Sup(first, second) | Math::Frac(first, second) => {
+                [first.values(), second.values()].concat()
             }
+            Math::Sum(of) | Math::Abs(of) | Math::Sqrt(of) | Math::Bar(of) | Math::Hat(of) => of.values(),
         }
     }
 

@@ -1,12 +1,9 @@
 //! The numbers of a step that differ from those of the step before.
 
-use std::ops::Range;
-
-use motionscope_core::scene::Fact;
+use motionscope_core::scene::{Fact, Math};
 
 use super::super::primitive::Rect;
-use super::super::{Face, fonts, places};
-use super::formula::{Formula, Piece};
+use super::formula::{Formula, Placed};
 
 /// What a step shows, and what the step before it showed; empty where nothing is compared.
 #[derive(Debug)]
@@ -67,103 +64,30 @@ impl<'a, T, const N: usize> From<&'a [T; N]> for Since<'a, T> {
     }
 }
 
-/// Numbers that stand in the same words as before: how many there are, and where those are that differ.
-#[derive(Debug, Default, PartialEq)]
-struct Compared {
-    count: usize,
-    differing: Vec<Range<usize>>,
-}
-
-impl Compared {
-    /// All numbers of words that stand nowhere in the formula before.
-    fn new(words: &str) -> Self {
-        let differing = places(words);
-        Self { count: differing.len(), differing }
-    }
-}
-
-/// The numbers of `now` beside those of `before`; `None` where the words between them differ.
-fn compared(now: &str, before: &str) -> Option<Compared> {
-    let (places, old) = (places(now), places(before));
-    let are_same_words = places.len() == old.len() && between(now, &places).eq(between(before, &old));
-    let differs = |(place, old): &(Range<usize>, Range<usize>)| now[place.clone()] != before[old.clone()];
-    are_same_words.then(|| Compared {
-        count: places.len(),
-        differing: places.into_iter().zip(old).filter(differs).map(|(place, _)| place).collect(),
-    })
-}
-
-/// The words around the numbers of a text.
-fn between<'t>(text: &'t str, numbers: &'t [Range<usize>]) -> impl Iterator<Item = &'t str> {
-    let starts = std::iter::once(0).chain(numbers.iter().map(|place| place.end));
-    let ends = numbers.iter().map(|place| place.start).chain([text.len()]);
-    starts.zip(ends).map(|(start, end)| &text[start..end])
-}
-
 /// Whether `differing` of `all` numbers are lit: where each of them differs, there is nothing to tell apart.
 fn is_told(differing: usize, all: usize) -> bool {
     (1..all).contains(&differing)
 }
 
-/// Where numbers of each formula stand that differ from those of the formulas `before`, from the left end of the first baseline.
-/// There are none where all numbers differ, or the formulas are others.
-pub(super) fn of_formulas(now: &[Formula], before: &[Formula]) -> Vec<Vec<Rect>> {
-    let none = || vec![Vec::new(); now.len()];
-    if now.len() != before.len() {
-        return none();
-    }
-    let (mut all, mut lit) = (0, Vec::new());
-    for (now, before) in now.iter().zip(before) {
-        let (count, rects) = of_formula(now, before).unwrap_or_default();
-        all += count;
-        lit.push(rects);
-    }
-    if is_told(lit.iter().map(Vec::len).sum(), all) { lit } else { none() }
-}
-
-/// The count of numbers of a formula, and the places of those that differ; `None` if it is another formula. Its parts are compared from
-/// both ends on: those in the middle without a counterpart, such as the 1 of x + 1 after x, have changed.
-fn of_formula(now: &Formula, before: &Formula) -> Option<(usize, Vec<Rect>)> {
-    let [now, before] = [now, before].map(|formula| formula.pieces.iter().filter_map(Text::of).collect::<Vec<_>>());
-    let from_start = || now.iter().zip(&before).map_while(|(now, old)| compared(now.words, old.words));
-    let start = from_start().count();
-    let (middle, old) = (&now[start..], &before[start..]);
-    let from_end = || middle.iter().rev().zip(old.iter().rev()).map_while(|(now, old)| compared(now.words, old.words));
-    let end = middle.len() - from_end().count();
-    if 2 * (end.max(old.len() + end - middle.len())) > now.len() {
-        return None;
-    }
-    let mut all: Vec<(&Text<'_>, Compared)> = now.iter().zip(from_start()).collect();
-    all.extend(middle[..end].iter().map(|text| (text, Compared::new(text.words))));
-    all.extend(middle.iter().rev().zip(from_end()));
-    let count = all.iter().map(|(_, compared)| compared.count).sum();
-    Some((
-        count,
-        all.iter().flat_map(|(text, compared)| compared.differing.iter().map(|place| text.rect(place))).collect(),
-    ))
-}
-
-/// A run of text of a formula.
-struct Text<'f> {
-    words: &'f str,
-    at: [f32; 2],
-    size_pt: f32,
-    face: Face,
-}
-
-impl<'f> Text<'f> {
-    fn of(piece: &'f Piece) -> Option<Self> {
-        let Piece::Text { text, at, size_pt, face, .. } = piece else { return None };
-        Some(Self { words: text, at: *at, size_pt: *size_pt, face: *face })
-    }
-
-    /// Where these bytes of it stand.
-    fn rect(&self, place: &Range<usize>) -> Rect {
-        let Self { words, at: [left, y], size_pt, face } = *self;
-        let width = |text: &str| fonts::width(text, face, size_pt);
-        let corner = [left + width(&words[..place.start]), y - 0.85 * size_pt];
-        Rect::new(corner, [width(&words[place.clone()]), 1.12 * size_pt])
-    }
+/// Where values of each formula stand that differ from those that the formulas `before` give to the same variables, from the left end of
+/// the first baseline. There are none where all of them differ.
+pub(super) fn of_formulas(now: &[Formula], before: &[Math]) -> Vec<Vec<Rect>> {
+    let mut old: Vec<_> = before.iter().flat_map(Math::values).collect();
+    let (mut all, mut differing) = (0, 0);
+    let mut differs = |placed: &Placed| {
+        // A variable that stands at several places had as many values before.
+        let Some(at) = old.iter().position(|(value, _)| value.of == placed.of) else { return false };
+        let (value, style) = old.remove(at);
+        let is_other = style.text(value) != placed.shown;
+        all += 1;
+        differing += usize::from(is_other);
+        is_other
+    };
+    let lit: Vec<Vec<Rect>> = now
+        .iter()
+        .map(|formula| formula.values.iter().filter(|placed| differs(placed)).map(|placed| placed.rect).collect())
+        .collect();
+    if is_told(differing, all) { lit } else { vec![Vec::new(); now.len()] }
 }
 
 /// Which facts have another value than the fact of the same name `before`; none where all of them have.
@@ -177,52 +101,43 @@ pub(super) fn of_facts(facts: Since<'_, Fact>) -> Vec<bool> {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::scene::Math;
+    use motionscope_core::scene::{Name, Step, Unit};
 
     use super::super::formula::typeset;
     use super::*;
 
+    motionscope_core::variables! {
+        /// A summand.
+        SUMMAND: "Summand", "a", Unit::WHOLE;
+        /// A result.
+        RESULT: "Result", "s", Unit::WHOLE;
+    }
+
+    fn sum(summand: i32, result: i32) -> Vec<Math> {
+        let step = Step::at(Name::new(b"add")).put(value::SUMMAND, summand).put(value::RESULT, result);
+        step.formula("s = 4 + {summand} = {result}").formulas().to_vec()
+    }
+
     fn lit(now: &[Math], before: &[Math]) -> Vec<usize> {
-        let [now, before] = [now, before].map(|all| all.iter().map(|m| typeset(m, 20.0, 900.0)).collect::<Vec<_>>());
-        of_formulas(&now, &before).iter().map(Vec::len).collect()
-    }
-
-    fn sum(first: &str, second: &str, result: &str) -> Math {
-        let words = [first, " + ", second, " = ", result];
-        Math::Row(words.into_iter().map(Math::text).collect())
+        let now: Vec<_> = now.iter().map(|math| typeset(math, 20.0, 900.0)).collect();
+        of_formulas(&now, before).iter().map(Vec::len).collect()
     }
 
     #[test]
-    fn numbers_that_differ_are_lit_and_the_others_are_not() {
-        assert_eq!(lit(&[sum("1", "2", "3")], &[sum("1", "4", "5")]), [2]);
-        assert_eq!(lit(&[sum("1", "2", "3"), Math::text("7")], &[sum("1", "2", "3"), Math::text("8")]), [0, 1]);
-        assert_eq!(lit(&[sum("1", "2", "3")], &[sum("1", "2", "3")]), [0]);
+    fn values_that_differ_are_lit_and_the_others_are_not() {
+        let [now, before] = [[sum(1, 5), sum(2, 6)].concat(), [sum(1, 5), sum(3, 6)].concat()];
+        assert_eq!(lit(&now, &before), [0, 1], "each is compared with that at its own place");
+        assert_eq!(lit(&now, &now), [0, 0]);
+        let [place] = of_formulas(&[typeset(&sum(1, 5)[0], 20.0, 900.0)], &sum(1, 7))[0][..] else { panic!("one") };
+        let from = super::super::formula::typeset(&sum(1, 5)[0], 20.0, 900.0).values[1].rect;
+        assert_eq!(place, from);
     }
 
     #[test]
-    fn a_number_without_a_counterpart_has_changed() {
-        let moved = |by: &str, v: &str| {
-            let words = ["SAD(", v, ") = ", "I(", "x", by, ", y) of ", "16", " px"];
-            Math::Row(words.into_iter().filter(|words| !words.is_empty()).map(Math::text).collect())
-        };
-        assert_eq!(lit(&[moved(" + 1", "1, −1")], &[moved("", "0, −1")]), [2], "the 1 of (1, −1) and that of x + 1");
-        assert_eq!(lit(&[moved(" − 1", "−1, −1")], &[moved(" + 1", "1, −1")]), [2]);
-        assert_eq!(lit(&[moved("", "0, −1")], &[moved(" + 1", "1, −1")]), [1], "the 1 is gone");
-    }
-
-    #[test]
-    fn nothing_is_lit_where_all_numbers_are_others_or_the_formula_is() {
-        assert_eq!(lit(&[sum("1", "2", "3")], &[sum("4", "5", "9")]), [0]);
-        assert_eq!(lit(&[sum("1", "2", "3")], &[Math::text("1 = 2 − 1")]), [0]);
-        assert_eq!(lit(&[sum("1", "2", "3")], &[]), [0]);
-    }
-
-    #[test]
-    fn the_place_is_that_of_the_number_in_its_words() {
-        let formula = |value: &str| [typeset(&Math::text(format!("SAD = {value} + 4")), 20.0, 900.0)];
-        let rects = of_formulas(&formula("812"), &formula("7"));
-        let from = fonts::width("SAD = ", super::super::super::Face::Sans, 20.0);
-        assert!((rects[0][0].min[0] - from).abs() < 0.01 && rects[0].len() == 1, "{rects:?}");
+    fn nothing_is_lit_where_all_values_are_others_or_the_formula_is() {
+        assert_eq!(lit(&sum(1, 5), &sum(2, 6)), [0]);
+        assert_eq!(lit(&sum(1, 5), &[Math::text("5 = 4 + 1")]), [0]);
+        assert_eq!(lit(&sum(1, 5), &[]), [0]);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use motionscope_core::glossary::{Term, occurrences};
-use motionscope_core::scene::{Fact, Math, Readout, Sentence, Variable};
+use motionscope_core::scene::{Fact, Math, Sentence, Variable};
 use motionscope_core::{Info, Role, Step, pseudocode as code};
 
 use super::super::legend::{self, SWATCH, Sample};
@@ -213,8 +213,8 @@ fn fitting(data: Explained<'_>, [width, height]: [f32; 2], theme: Theme) -> Bloc
 fn description(Explained { info, step, before }: Explained<'_>, width: f32, theme: Theme, lines: usize) -> Block {
     let density = Density::close(theme);
     let mut whole = sentence(&step.sentence, (width, density), theme);
-    let facts = Since { now: facts_of(step), before: before.map_or(&[], facts_of) };
-    let formulas = Since { now: equation_of(step), before: before.map_or(&[], equation_of) };
+    let facts = Since { now: step.facts(), before: before.map_or(&[], Step::facts) };
+    let formulas = Since { now: step.formulas(), before: before.map_or(&[], Step::formulas) };
     if !formulas.now.is_empty() {
         whole.put_below(rule(width, theme), GAP);
         whole.put_below(equation(formulas, (width, density), theme), GAP);
@@ -229,20 +229,6 @@ fn description(Explained { info, step, before }: Explained<'_>, width: f32, them
     whole.put_below(pseudocode(info, step, (first..first + lines, width), theme), 0.5 * GAP);
     whole.put_below(citation(info.source, width, theme), GAP);
     whole
-}
-
-/// The numbers of a step.
-pub fn facts_of(step: &Step) -> &[Fact] {
-    let facts =
-        step.readouts.iter().find_map(|r| if let Readout::Facts(facts) = r { Some(facts.as_slice()) } else { None });
-    facts.unwrap_or_default()
-}
-
-/// The formulas of a step.
-pub fn equation_of(step: &Step) -> &[Math] {
-    let lines =
-        step.readouts.iter().find_map(|r| if let Readout::Equation(lines) = r { Some(lines.as_slice()) } else { None });
-    lines.unwrap_or_default()
 }
 
 /// A thin line between two parts.
@@ -294,21 +280,18 @@ pub(super) fn words(runs: &[Run], width: f32, density: Density) -> (Block, Vec<S
     (block, all)
 }
 
-/// Formulas below each other; numbers that differ from those of the formulas before are lit.
+/// Formulas below each other; values that differ from those of the formulas before are lit.
 pub fn equation<'a>(formulas: impl Into<Since<'a, Math>>, (width, density): (f32, Density), theme: Theme) -> Block {
     let mut block = Block::default();
     let Since { now, before } = formulas.into();
-    // Other formulas are not compared, so nothing is set of them.
-    let before = if before.len() == now.len() { before } else { &[] };
-    let [set, set_before] =
-        [now, before].map(|all| all.iter().map(|math| formula::typeset(math, density.math, width)).collect::<Vec<_>>());
-    let lit = changes::of_formulas(&set, &set_before);
+    let set: Vec<_> = now.iter().map(|math| formula::typeset(math, density.math, width)).collect();
+    let lit = changes::of_formulas(&set, before);
     for ((math, formula), lit) in now.iter().zip(&set).zip(&lit) {
         let (size, down) = (formula.size(), [0.0, formula.ascent]);
         let lines = vec![(Rect::new([0.0; 2], size), math.plain())];
         let symbols = formula.symbols.iter().map(|(rect, name)| (rect.moved(down), name.clone())).collect();
         let roles = formula.roles().map(|(rect, role)| (rect.moved(down), role)).collect();
-        let values = formula.values.iter().map(|(rect, of)| (rect.moved(down), *of)).collect();
+        let values = formula.values.iter().map(|value| (value.rect.moved(down), value.of)).collect();
         let mut canvas = Canvas::default();
         canvas.extend(formula.primitives([0.0; 2], theme));
         lit.iter().for_each(|rect| light(&mut canvas, rect.moved(down), theme));
@@ -477,11 +460,19 @@ pub fn citation(source: &str, width: f32, theme: Theme) -> Block {
 
 #[cfg(test)]
 mod tests {
+    use motionscope_core::scene::{Readout, Unit};
     use motionscope_core::{Role, estimator};
 
     use super::super::super::ColorMap;
     use super::super::texts;
     use super::*;
+
+    motionscope_core::variables! {
+        /// The cost of the candidate.
+        COST: "SAD", "c", Unit::WHOLE;
+        /// The lowest cost.
+        LOWEST: "Best so far", "m", Unit::WHOLE;
+    }
 
     fn step(line: motionscope_core::pseudocode::Name) -> Step {
         let facts = vec![
@@ -583,14 +574,16 @@ mod tests {
         let Readout::Equation(formula) = &readouts[1] else { panic!("a formula") };
         let block = equation(&formula[..], (400.0, density), Theme::Dark);
         assert!(matches!(block.roles[..], [(rect, Role::Candidate)] if rect.min[0] > 20.0), "{:?}", block.roles);
-        let block = table(facts_of(&step(line)), (400.0, density), Theme::Dark);
+        let block = table(step(line).facts(), (400.0, density), Theme::Dark);
         assert!(matches!(block.roles[..], [(_, Role::Best)]), "{:?}", block.roles);
     }
 
     #[test]
     fn a_number_that_differs_from_the_step_before_is_lit() {
-        let formula = |value: &str| [Math::text("SAD = "), Math::text(value), Math::text(" < 900")];
-        let row = |value: &str| [Math::Row(formula(value).into())];
+        let row = |cost: i32| {
+            let step = Step::at(motionscope_core::pseudocode::Name::new(b"test"));
+            step.put(value::COST, cost).put(value::LOWEST, 900).formula("{cost} < {lowest}").formulas().to_vec()
+        };
         let facts = |value: &str| [Fact::new("Candidate", value, None), Fact::new("Best so far", "812", None)];
         let (layout, theme) = ((400.0, Density::close(Theme::Dark)), Theme::Dark);
         let lit = |block: &Block| {
@@ -599,7 +592,7 @@ mod tests {
             let is_lit = |p: &&Primitive| matches!(p, Primitive::Polyline { closed: false, stroke, .. } if stroke.color == accent);
             block.primitives.iter().filter(is_lit).count()
         };
-        let (now, before) = (row("950"), row("812"));
+        let (now, before) = (row(950), row(812));
         assert_eq!(lit(&equation(Since { now: &now, before: &before }, layout, theme)), 1);
         assert_eq!(lit(&equation(&now, layout, theme)), 0);
         let (now, before) = (facts("950"), facts("812"));

@@ -90,8 +90,19 @@ pub struct Formula {
     pub pieces: Vec<Piece>,
     /// Where each symbol stands and what it is in plain letters; one with an index comes before its letter.
     pub symbols: Vec<(Rect, String)>,
-    /// Where each value stands.
-    pub values: Vec<(Rect, &'static Variable)>,
+    /// Its values.
+    pub values: Vec<Placed>,
+}
+
+/// A value of a formula that was laid out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Placed {
+    /// Where it stands.
+    pub rect: Rect,
+    /// Its variable.
+    pub of: &'static Variable,
+    /// How it is written.
+    pub shown: String,
 }
 
 impl Formula {
@@ -111,6 +122,16 @@ impl Formula {
         })
     }
 
+    /// The characters that no font has.
+    #[cfg(test)]
+    pub fn missing(&self) -> String {
+        let of_piece = |piece: &Piece| match piece {
+            Piece::Text { text, size_pt, face, .. } => fonts::missing(text, *face, *size_pt),
+            Piece::Rule(_) | Piece::Stroke(..) => String::new(),
+        };
+        self.pieces.iter().map(of_piece).collect()
+    }
+
     /// The same as a symbol of its own: `math`.
     fn named(mut self, math: &Math) -> Self {
         let rect = Rect::between([0.0, -self.ascent], [self.width, self.descent]);
@@ -123,7 +144,7 @@ impl Formula {
         other.pieces.iter_mut().for_each(|piece| piece.shift(at));
         self.pieces.append(&mut other.pieces);
         self.symbols.extend(other.symbols.into_iter().map(|(rect, name)| (rect.moved(at), name)));
-        self.values.extend(other.values.into_iter().map(|(rect, of)| (rect.moved(at), of)));
+        self.values.extend(other.values.into_iter().map(|value| Placed { rect: value.rect.moved(at), ..value }));
         self.width = self.width.max(at[0] + other.width);
         self.ascent = self.ascent.max(other.ascent - at[1]);
         self.descent = self.descent.max(other.descent + at[1]);
@@ -314,8 +335,10 @@ impl Setter<'_> {
         match math {
             Math::Text(text, role) => self.text(text, size, Face::Sans, *role),
             Math::Value(value, style) => {
-                let mut set = self.text(&style.text(value), size, Face::Sans, value.role);
-                set.values.push((Rect::between([0.0, -set.ascent], [set.width, set.descent]), value.of));
+                let shown = style.text(value);
+                let mut set = self.text(&shown, size, Face::Sans, value.role);
+                let rect = Rect::between([0.0, -set.ascent], [set.width, set.descent]);
+                set.values.push(Placed { rect, of: value.of, shown });
                 set
             }
             Math::Var(name) => self.text(name, size, Face::Italic, None),

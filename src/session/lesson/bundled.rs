@@ -78,6 +78,8 @@ pub(super) fn find(slug: &str) -> Result<&'static Lesson, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::paint::charts::formula::typeset;
+    use crate::paint::charts::prose::Part;
 
     #[test]
     fn every_file_of_the_folder_is_a_lesson_without_faults() {
@@ -91,6 +93,19 @@ mod tests {
             let faults: Vec<_> = lesson.faults().map(|(page, why)| format!("page {page}: {why}")).collect();
             assert!(faults.is_empty(), "{file}: {}", faults.join("; "));
             assert!(!lesson.summary.is_empty() && lesson.pages.iter().all(|page| !page.title.is_empty()), "{file}");
+        }
+    }
+
+    #[test]
+    fn every_formula_is_drawn_with_characters_that_the_fonts_have() {
+        for (lesson, page) in all().iter().flat_map(|lesson| lesson.pages.iter().map(move |page| (lesson, page))) {
+            let words = page.words.as_ref().expect("words");
+            let formulas =
+                words.0.iter().filter_map(|part| if let Part::Formula(math) = part { Some(math) } else { None });
+            for math in formulas {
+                let missing = typeset(math, 16.0, 400.0).missing();
+                assert!(missing.is_empty(), "{}, {}: {missing:?} of {}", lesson.slug, page.title, math.plain());
+            }
         }
     }
 

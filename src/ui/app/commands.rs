@@ -462,6 +462,9 @@ impl Command {
             C::NextLayer | C::Layer(_) | C::Streaks | C::LockScale if now.has_run && !now.available.has_field() => {
                 Some("This estimator has no dense flow to colour or to follow with streaklines.")
             }
+            C::Landscape if now.has_run => {
+                Some("This step has no landscape: it works out no cost, response or density over the picture.")
+            }
             C::ExportResult if now.is_asked => Some("The result is held back. Reveal it first (→)."),
             C::Predict if now.in_lockstep => Some("Questions are about one estimator. Leave the lockstep first."),
             C::Lockstep if now.in_stage => Some("Lockstep compares whole estimators. Leave this stage first."),

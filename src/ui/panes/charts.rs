@@ -11,7 +11,6 @@ use super::glossary::{self, Beside};
 use super::layout::Arrangement;
 use crate::paint::charts::Orbit;
 use crate::paint::charts::cloud::Viewpoint;
-use crate::paint::charts::explanation::equation_of;
 use crate::paint::charts::plane::Window;
 use crate::paint::{FreehandLine, Ground};
 use crate::ui::app::action::{Action, Side};
@@ -279,7 +278,7 @@ impl Panes<'_> {
                     tiles::show(ui, tiles::Input { tiles, is_centered, subject }, &mut self.states.tiles);
                 }
                 Readout::Matrices(all) if *pane == panes::MATRICES => {
-                    let pointed = matrices::show(ui, (all, equation_of(step)), subject, &mut self.states.matrices);
+                    let pointed = matrices::show(ui, (all, step.formulas()), subject, &mut self.states.matrices);
                     if let Some((index, sensed)) = pointed {
                         let beside = Beside::new(&shown.scene, info.family, self.look.theme);
                         glossary::sense_symbol(&sensed, (all[index].symbol, all[index].role), &beside);

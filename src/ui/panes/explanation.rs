@@ -33,14 +33,14 @@ pub struct Input<'a> {
 impl<'a> Input<'a> {
     /// The formulas of the step, and those of the step before.
     fn formulas(&self) -> Since<'a, Math> {
-        let before = self.before.map_or(&[][..], explanation::equation_of);
-        Since { now: explanation::equation_of(self.step), before }
+        let before = self.before.map_or(&[][..], Step::formulas);
+        Since { now: self.step.formulas(), before }
     }
 
     /// The numbers of the step, and those of the step before.
     fn facts(&self) -> Since<'a, Fact> {
-        let before = self.before.map_or(&[][..], explanation::facts_of);
-        Since { now: explanation::facts_of(self.step), before }
+        let before = self.before.map_or(&[][..], Step::facts);
+        Since { now: self.step.facts(), before }
     }
 }
 

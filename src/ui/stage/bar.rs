@@ -130,8 +130,7 @@ pub fn line(ui: &mut Ui, input: &Input<'_>, state: &mut State) -> Option<Role> {
         let line = egui::Stroke::new(2.0, ink::color(input.theme().chrome().accent));
         ui.painter().hline(place.x_range(), place.max.y - 1.0, line);
     }
-    let listed = if shown.hidden > 0 { folded(ui, &items, shown.hidden, shown.last_line(rect)) } else { None };
-    lit.map(|(role, _)| role).or(listed)
+    lit.map(|(role, _)| role).or(folded(ui, &items, &shown, rect))
 }
 
 /// Shows the legend in `room`, below each other if all have room like that; gives the role whose entry is pointed at.
@@ -147,17 +146,20 @@ pub fn list(ui: &mut Ui, room: Rect, input: &Input<'_>, state: &mut State) -> Op
     let shown = items.fitting(ui, room.size());
     shown.paint(ui, room);
     let lit = response.hover_pos().and_then(|at| shown.pointed(at, room)).map(|(role, _)| role);
-    let listed = if shown.hidden > 0 { folded(ui, &items, shown.hidden, shown.last_line(room)) } else { None };
-    lit.or(listed)
+    lit.or(folded(ui, &items, &shown, room))
 }
 
-/// The number of entries that there is no room for: all entries are listed where it is pointed at, and after a click until the
+/// The number of entries of which none is `shown` in `rect`: all entries are listed where it is pointed at, and after a click until the
 /// next one. Returns the role of the entry in that list that is pointed at.
-fn folded(ui: &Ui, items: &Items, hidden: usize, rect: Rect) -> Option<Role> {
-    let width = text_width(ui, "+88", items.theme) + GAP;
-    let button = ui.interact(rect.with_min_x(rect.max.x - width), ui.scope_id().with("folded legend"), Sense::click());
+fn folded(ui: &Ui, items: &Items, shown: &Items, rect: Rect) -> Option<Role> {
+    if shown.hidden == 0 {
+        return None;
+    }
+    let place = shown.place_of_more(rect, text_width(ui, "+88", items.theme));
+    let button = ui.interact(place, ui.scope_id().with("folded legend"), Sense::click());
     let button = button.on_hover_cursor(egui::CursorIcon::PointingHand);
-    button.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, format!("{hidden} more in the legend")));
+    let words = || format!("{} more in the legend", shown.hidden);
+    button.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, words()));
     match egui::Popup::menu(&button).show(|ui| items.list(ui)) {
         Some(list) => list.inner,
         None => {
@@ -265,12 +267,15 @@ impl Items {
         }) && count <= lines
     }
 
-    /// Where the number of those that are left stands: in the last line of `rect`, which may have others.
-    fn last_line(&self, rect: Rect) -> Rect {
+    /// Where the number of those that are left stands, of this `width`: behind the others in the last line of `rect`.
+    fn place_of_more(&self, rect: Rect, width: f32) -> Rect {
         let height = line_height(self.theme);
         let lines = ((rect.height() / height) as usize).max(1);
-        let line = self.layout(rect.width()).1.min(lines - 1);
-        Rect::from_min_size(rect.min + vec2(0.0, line as f32 * height), vec2(rect.width(), height))
+        let (places, count) = self.layout(rect.width());
+        let y = count.min(lines - 1) as f32 * height;
+        let ends = places.iter().zip(self.widths()).filter(|(place, _)| place.y == y);
+        let left = ends.map(|(place, item)| place.x + item + 2.0 * GAP).fold(0.0, f32::max).min(rect.width() - width);
+        Rect::from_min_size(rect.min + vec2(left.max(0.0), y), vec2(width, height))
     }
 
     fn widths(&self) -> impl Iterator<Item = f32> {
@@ -340,8 +345,8 @@ impl Items {
         }
         if self.hidden > 0 {
             let dim = ink::color(self.theme.chrome().dim);
-            let line = self.last_line(rect);
-            painter.text(line.right_center(), Align2::RIGHT_CENTER, format!("+{}", self.hidden), font.clone(), dim);
+            let place = self.place_of_more(rect, text_width(ui, "+88", self.theme));
+            painter.text(place.left_center(), Align2::LEFT_CENTER, format!("+{}", self.hidden), font.clone(), dim);
         }
     }
 }

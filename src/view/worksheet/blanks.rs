@@ -11,9 +11,7 @@ use super::facts::Elsewhere;
 use super::grids::{self, Captioned, Grids, Missing};
 use super::numbers::{self, Fill, is_telling, tells};
 use super::reach::{Printed, is_small};
-use super::spelled;
 use super::windows::{self, Pixels, surface_of};
-use crate::paint::charts::explanation::facts_of;
 use crate::paint::charts::heat_map::cost;
 use crate::paint::charts::matrices::entries;
 use crate::paint::number;
@@ -90,7 +88,7 @@ impl Exercise {
     /// The exercise of a step: what can be computed by hand, drawn or decided.
     pub fn of(asked: &Asked<'_>, fill: Fill) -> Self {
         let Asked { step, unit, earlier, questions } = *asked;
-        let lines = &spelled(step)[..];
+        let lines = step.formulas();
         let mut all = Self { decision: Decision::of(questions, (step, unit)), ..Self::default() };
         let pixels = windows::pixels(step, earlier, &values(lines), fill);
         let series = find(step, |readout| if let Readout::Series(series) = readout { Some(series) } else { None });
@@ -161,7 +159,7 @@ impl Exercise {
 
     fn add_matrices(&mut self, step: &Step, before: Option<&Step>, fill: Fill) {
         let all = matrices_of(step);
-        let (results, chosen) = results_of(all, &defined(&spelled(step)));
+        let (results, chosen) = results_of(all, &defined(step.formulas()));
         // Where nothing is computed nothing has to be known before.
         let changed = if results.is_empty() { 0 } else { all.len() };
         let hide =
@@ -259,11 +257,11 @@ impl Exercise {
     fn add_facts(&mut self, asked: &Asked<'_>, fill: Fill) {
         let elsewhere = Elsewhere {
             numbers: &self.numbers(),
-            before: asked.earlier.first().map(facts_of).unwrap_or_default(),
+            before: asked.earlier.first().map(Step::facts).unwrap_or_default(),
             is_decided: self.decision.is_some(),
             is_test: surface_of(asked.step).is_some_and(|surface| surface.probe.is_some()),
         };
-        let (facts, answers) = elsewhere.facts(facts_of(asked.step), fill);
+        let (facts, answers) = elsewhere.facts(asked.step.facts(), fill);
         self.facts = facts;
         self.add(Part::Facts, answers);
     }
@@ -271,10 +269,10 @@ impl Exercise {
 
 /// What is printed of a step, from which its results can be computed.
 fn printed(step: &Step, pixels: Option<&Pixels>, histogram: Option<&Captioned>) -> Printed {
-    let symbols = defined(&spelled(step)).into_iter().map(|defined| defined.name);
+    let symbols = defined(step.formulas()).into_iter().map(|defined| defined.name);
     let rows = histogram.into_iter().flat_map(|histogram| &histogram.table.rows);
     Printed {
-        names: Printed::names(facts_of(step), matrices_of(step), symbols),
+        names: Printed::names(step.facts(), matrices_of(step), symbols),
         terms: rows.flat_map(|name| name.split_whitespace()).map(str::to_owned).collect(),
         totals: pixels.map(|pixels| pixels.totals.clone()).unwrap_or_default(),
     }
@@ -320,6 +318,7 @@ fn matrices_of(step: &Step) -> &[Matrix] {
 mod tests {
     use motionscope_core::scene::{Fact, Reply, Sentence};
 
+    use super::super::tests::formula;
     use super::*;
 
     motionscope_core::pseudocode! {
@@ -350,23 +349,23 @@ mod tests {
     #[test]
     fn what_tells_the_decision_is_left_out_with_it() {
         let facts = vec![
-            Fact::new("NIS", "1.02, gate 9.21", None),
+            Fact::new("NIS", "5.25, gate 9.21", None),
             Fact::new("Status", "accepted", None),
             Fact::new("Eigenvalues", "261.98 and 1.22: edge", None),
             Fact::new("Matches so far", "12", Some(Role::Result)),
         ];
-        let lines = vec![Math::text("d = 0.52 + 0.50 = 1.02 ≤ 9.21")];
+        let lines = vec![formula(r"s = {a} + {a} = {s} \le {b}")];
         let step = step(vec![Readout::Facts(facts), Readout::Equation(lines)]);
         let left_out = exercise(&step, &[QUESTION], Fill::Blank);
         assert!(left_out.decision.as_ref().is_some_and(|decision| decision.choices[decision.right] == "Yes"));
         let shown = plain(&left_out.facts) + &plain(&left_out.equation.lines);
-        for told in ["1.02", "accepted", "edge", "Matches", "≤"] {
+        for told in ["5.25", "accepted", "edge", "Matches", "≤"] {
             assert!(!shown.contains(told), "{told} is told: {shown}");
         }
         assert!(shown.contains("gate 9.21") && shown.contains("261.98 and 1.22"), "{shown}");
         let solved = exercise(&step, &[QUESTION], Fill::Answer);
         let shown = plain(&solved.facts);
-        let told = "NIS: 1.02, gate 9.21\nStatus: accepted\nEigenvalues: 261.98 and 1.22: edge\n";
+        let told = "NIS: 5.25, gate 9.21\nStatus: accepted\nEigenvalues: 261.98 and 1.22: edge\n";
         assert!(shown.contains(told), "{shown}");
         let without = plain(&exercise(&step, &[], Fill::Blank).facts);
         assert!(without.contains("accepted") && without.contains("edge"), "nothing is decided: {without}");
@@ -374,23 +373,23 @@ mod tests {
 
     #[test]
     fn large_matrices_and_sums_are_given() {
-        let define = |by: &str| Math::Row(vec![Math::Bold("S"), Math::text(by), Math::Bold("H")]);
+        let define = |by: &str| formula(&format!(r"\mathbf{{S}} = {by} \mathbf{{H}}"));
         let asked = |side: usize, by: &str| {
             let readouts = vec![Readout::Equation(vec![define(by)]), Readout::Matrices(vec![matrix("S", side)])];
             let exercise = exercise(&step(readouts), &[], Fill::Blank);
             (exercise.answers.len(), exercise.asks_line)
         };
-        assert_eq!(asked(2, " = 2 "), (4, false));
-        assert_eq!(asked(6, " = 2 "), (0, true), "only the line can be asked for");
-        assert_eq!(asked(2, " = Σ "), (0, true), "a sum over pixels");
-        let lines = vec![Math::text("p = 10.00 + 0.25 = 10.25")];
+        assert_eq!(asked(2, "2"), (4, false));
+        assert_eq!(asked(6, "2"), (0, true), "only the line can be asked for");
+        assert_eq!(asked(2, r"\sum"), (0, true), "a sum over pixels");
+        let lines = vec![formula("s = {a} + {b} = {s}")];
         let told = step(vec![Readout::Equation(lines), Readout::Matrices(vec![matrix("P", 6)])]);
         let left_out = exercise(&told, &[], Fill::Blank);
-        assert!(left_out.matrices[0].entries[(0, 1)].is_nan(), "a given matrix does not tell a result");
+        assert!(left_out.matrices[0].entries[(5, 0)].is_nan(), "a given matrix does not tell a result");
         assert_eq!((left_out.count(), left_out.asks_decimals()), (1, true), "it is asked for once");
         assert_eq!(left_out.matrices[0].entries.cells().iter().filter(|entry| entry.is_nan()).count(), 1);
         let solved = exercise(&told, &[], Fill::Answer);
-        assert!(solved.matrices[0].changed.as_ref().is_some_and(|changed| changed[(0, 1)]));
+        assert!(solved.matrices[0].changed.as_ref().is_some_and(|changed| changed[(5, 0)]));
         assert!(exercise(&step(Vec::new()), &[], Fill::Blank).is_empty());
     }
 }

@@ -16,7 +16,7 @@ mod sheet;
 mod vector;
 mod windows;
 
-use motionscope_core::scene::{Focus, Math};
+use motionscope_core::scene::Focus;
 use motionscope_core::{Direction, Error, Move, Step, Walk};
 
 use self::blanks::{Asked, Exercise};
@@ -24,7 +24,6 @@ use self::numbers::Fill;
 use super::moment::Moment;
 use super::page::Stand;
 use crate::media::Progress;
-use crate::paint::charts::explanation::equation_of;
 use crate::paint::charts::prose::Prose;
 use crate::paint::{Sheet, export_sheets};
 
@@ -75,11 +74,6 @@ impl About<'_> {
             Ok(sheet::Content { about: *self, stand, moment: &moment, step: &step, exercise: &exercise }.sheets())
         })
     }
-}
-
-/// The formulas of a step with its values as text.
-fn spelled(step: &Step) -> Vec<Math> {
-    equation_of(step).iter().map(Math::spelled).collect()
 }
 
 /// The steps before the one at which `walk` stands, latest first, at most `count` of them.

@@ -42,38 +42,20 @@ pub fn of(text: &str) -> Vec<String> {
     places(text).into_iter().map(|place| text[place].to_owned()).collect()
 }
 
-/// The numbers of a formula, those of indices and exponents apart.
+/// The numbers of the values of a formula.
 pub fn all_numbers(math: &Math) -> Vec<String> {
-    of_formula(math, &|_| true)
+    math.values().into_iter().flat_map(|(value, style)| of(&style.text(value))).collect()
 }
 
 /// The numbers in the colour of a role.
 pub fn inked(math: &Math) -> Vec<String> {
-    of_formula(math, &|role| role.is_some())
+    let inked = math.values().into_iter().filter(|(value, _)| value.role.is_some());
+    inked.flat_map(|(value, style)| of(&style.text(value))).collect()
 }
 
-fn of_formula(math: &Math, takes: &dyn Fn(Option<Role>) -> bool) -> Vec<String> {
-    let each = |inner: &Math| of_formula(inner, takes);
-    match math {
-        Math::Text(text, role) if takes(*role) => of(text),
-        Math::Row(parts) => parts.iter().flat_map(each).collect(),
-        Math::Matrix(rows) => rows.iter().flatten().flat_map(each).collect(),
-        Math::Frac(top, bottom) => [each(top), each(bottom)].concat(),
-        Math::Abs(inner) | Math::Sqrt(inner) | Math::Sub(inner, _) | Math::Sup(inner, _) => each(inner),
-        Math::Value(value, style) if takes(value.role) => of(&style.text(value)),
-        Math::Text(..)
-        | Math::Value(..)
-        | Math::Var(_)
-        | Math::Bold(_)
-        | Math::Sum(_)
-        | Math::Bar(_)
-        | Math::Hat(_) => Vec::new(),
-    }
-}
-
-/// Whether a formula has a number that was measured or computed.
-pub fn has_measured(math: &Math) -> bool {
-    all_numbers(math).iter().any(|number| number.contains('.') || number.chars().count() > 1)
+/// Whether a formula has a value.
+pub fn has_values(math: &Math) -> bool {
+    !math.values().is_empty()
 }
 
 /// Whether a formula has a symbol.
@@ -131,11 +113,10 @@ pub fn filled(text: &str, role: Option<Role>, fill: Fill, chosen: &dyn Fn(&str) 
     if parts.len() == 1 { parts.remove(0) } else { Math::Row(parts) }
 }
 
-/// A formula in which the numbers that are `chosen` are left out or filled in; indices and exponents stay.
+/// A formula in which the numbers of values that are `chosen` are left out or filled in; indices and exponents stay.
 pub fn filled_in(math: &Math, fill: Fill, chosen: &dyn Fn(&str) -> bool) -> Math {
     let each = |inner: &Math| Box::new(filled_in(inner, fill, chosen));
     match math {
-        Math::Text(text, role) => filled(text, *role, fill, chosen),
         Math::Row(parts) => Math::Row(parts.iter().map(|part| filled_in(part, fill, chosen)).collect()),
         Math::Frac(top, bottom) => Math::Frac(each(top), each(bottom)),
         Math::Sub(base, index) => Math::Sub(each(base), index.clone()),
@@ -147,7 +128,7 @@ pub fn filled_in(math: &Math, fill: Fill, chosen: &dyn Fn(&str) -> bool) -> Math
             Math::Matrix(rows.iter().map(row).collect())
         }
         Math::Value(value, style) => filled(&style.text(value), value.role, fill, chosen),
-        Math::Var(_) | Math::Bold(_) | Math::Sum(_) | Math::Bar(_) | Math::Hat(_) => math.clone(),
+        Math::Text(..) | Math::Var(_) | Math::Bold(_) | Math::Sum(_) | Math::Bar(_) | Math::Hat(_) => math.clone(),
     }
 }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use motionscope_core::scene::{Fact, Math, Matrix};
 
-use super::numbers::{all_numbers, has_measured, has_unknown};
+use super::numbers::has_values;
 
 /// A product of larger matrices is no work by hand, unless its result is as narrow as a vector.
 const MOST_SIDE: usize = 3;
@@ -43,9 +43,8 @@ impl Printed {
             let bases: Vec<&str> = symbols.iter().filter_map(|name| Some(name.split_once('_')?.0)).collect();
             return !bases.is_empty() && bases.iter().all(|base| self.terms.contains(*base));
         }
-        let is_numeric = has_measured(side) || !has_unknown(side) && !all_numbers(side).is_empty();
         let is_named = || symbols.iter().all(|name| self.names.contains(name));
-        !side.plain().contains('…') && (is_numeric || is_named())
+        !side.plain().contains('…') && (has_values(side) || is_named())
     }
 }
 
@@ -96,6 +95,7 @@ fn lowered(word: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::formula;
     use super::*;
 
     fn indexed(name: &'static str, index: &str) -> Math {
@@ -111,12 +111,12 @@ mod tests {
     fn a_value_is_reached_from_numbers_and_from_printed_symbols() {
         let facts = [Fact::new("I_x, I_y, I_t", "1, 2, 3", None), Fact::new("Zeroth moment M₀₀", "25.4", None)];
         let printed = Printed { names: Printed::names(&facts, &[], ["ρ".to_owned()]), ..Printed::default() };
-        assert!(reaches(&printed, vec![Math::text("4.10 / 2.00")]));
+        assert!(reaches(&printed, vec![formula("{a} / {b}")]));
         assert!(reaches(&printed, vec![indexed("I", "x"), Math::Var("u"), Math::text(" + "), indexed("I", "t")]));
         assert!(reaches(&printed, vec![indexed("M", "00")]));
         assert!(!reaches(&printed, vec![Math::over(indexed("M", "10"), indexed("M", "00"))]), "M_10 is not printed");
         assert!(!reaches(&printed, vec![Math::Bold("S")]), "a matrix that is not printed");
-        assert!(!reaches(&printed, vec![Math::text("|1 − 2| + … + |3 − 14|")]), "terms are left out");
+        assert!(!reaches(&printed, vec![formula(r"{a} + \dots + {b}")]), "terms are left out");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Every estimator has worksheets, and what is left out of a formula or a matrix stands in no later part of it.
 
-use motionscope_core::scene::{Math, Matrix, Question, Readout};
-use motionscope_core::{AnyEstimator, Cursor, estimators, examples};
+use motionscope_core::scene::{Math, Matrix, Name, Question, Readout, Unit};
+use motionscope_core::{Cursor, Role, estimators};
 
 use super::blanks::{Answer, Part as Place};
 use super::numbers::{is_telling, of};
@@ -9,50 +9,29 @@ use super::*;
 use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Prepared};
 use crate::media::Open;
-use crate::paint::charts::explanation::equation_of;
 use crate::paint::charts::matrices::entries;
 use crate::paint::charts::prose::{Part, Span};
 use crate::paint::primitive::Line;
 use crate::paint::{Freehand, Placed, Primitive};
 use crate::view::look::Look;
 use crate::view::paper::THEME;
+use crate::view::samples::{InUnit, last, sample, steps};
 
-/// Steps of a run that are looked at.
-const STEPS: usize = 40;
-
-/// The first example of an estimator, or a moving scene.
-fn sample(estimator: &dyn AnyEstimator) -> Prepared {
-    let example = examples::of(estimator.info().id).next();
-    let mut estimator = estimator.boxed_clone();
-    let settings = example.map_or(&[][..], |example| example.settings);
-    settings.iter().for_each(|(name, value)| estimator.set(name, value).expect("a setting of an example"));
-    let clip = example.map_or("traffic", |example| example.clip);
-    let source = Source::parse(format!("synth:{clip}")).expect("a scene of an example");
-    let frame = example.map_or(0, |example| example.frame);
-    let experiment = Experiment { frame, ..Experiment::new(source, estimator) };
-    Prepared::open(experiment, Open::default()).expect("the clip of an example")
+motionscope_core::variables! {
+    /// A number.
+    A: "a", "a", Unit::FINE;
+    /// A number.
+    B: "b", "b", Unit::FINE, Role::Reference;
+    /// A result.
+    S: "s", "s", Unit::FINE;
+    /// A position.
+    X: "x", "x", Unit::new("px", 2);
 }
 
-/// A step with its unit.
-type InUnit = (Step, usize);
-
-fn steps(prepared: &Prepared) -> Vec<InUnit> {
-    let mut walk = prepared.experiment.walk(&prepared.clip).expect("a run");
-    let last = walk.info().granularities.len() - 1;
-    let mut steps = vec![(walk.step(None), walk.cursor().unit)];
-    while steps.len() < STEPS && !walk.at_end() {
-        walk.go(Move::Granularity(last, Direction::Forward));
-        while !walk.work(&mut || true) {}
-        steps.push((walk.step(None), walk.cursor().unit));
-    }
-    steps
-}
-
-/// The last step of a run.
-fn last(prepared: &Prepared) -> InUnit {
-    let mut walk = prepared.experiment.walk(&prepared.clip).expect("a run");
-    walk.jump(Move::End);
-    (walk.step(None), walk.cursor().unit)
+/// A formula of a = 0.25, b = 3.50, the result s = 5.25 and the position x = (65.44, 127.73).
+pub(super) fn formula(template: &str) -> Math {
+    let step = Step::at(Name::new(b"add")).put(value::A, 0.25).put(value::B, 3.5).put(value::S, 5.25);
+    step.put(value::X, [65.44, 127.73]).formula(template).formulas()[0].clone()
 }
 
 fn has_matrices(step: &Step) -> bool {
@@ -87,7 +66,7 @@ fn faults(steps: &[InUnit], questions: &[Question]) -> Vec<String> {
     let [left_out, solved] = [Fill::Blank, Fill::Answer].map(|fill| exercise(steps, questions, fill));
     let (step, _) = &steps[steps.len() - 1];
     let mut faults = Vec::new();
-    if plain(&solved.equation.lines) != plain(equation_of(step)) {
+    if plain(&solved.equation.lines) != plain(step.formulas()) {
         faults.push(format!("the filled formula is not that of the step: {:?}", plain(&solved.equation.lines)));
     }
     // A result stands in no later line of its formula; where it is equal to what is given it stands before its sign.
@@ -124,7 +103,7 @@ fn every_estimator_with_formulas_or_matrices_has_exercises() {
         let whole = steps.as_slice();
         let up_to = || (2..=whole.len()).map(move |end| &whole[..end]);
         all.extend(up_to().flat_map(|steps| faults(steps, questions)).map(|fault| format!("{id}: {fault}")));
-        let asks = |step: &Step| !equation_of(step).is_empty() || has_matrices(step);
+        let asks = |step: &Step| !step.formulas().is_empty() || has_matrices(step);
         let has_exercise = up_to().any(|steps| !exercise(steps, questions, Fill::Blank).is_empty());
         // What has no numbers in its first steps has some at the end.
         let at_end = || exercise(&[last(&sample(&*estimator))], questions, Fill::Blank);

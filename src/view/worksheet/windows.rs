@@ -4,7 +4,6 @@ use motionscope_core::scene::{Math, Readout, Surface, Tile};
 use motionscope_core::{Grid, Role, Step};
 
 use super::numbers::{self, Fill};
-use crate::paint::charts::explanation::{equation_of, facts_of};
 use crate::paint::charts::heat_map::{cost, vector};
 use crate::paint::charts::table::{Cell, Table};
 use crate::paint::charts::tiles::brief;
@@ -295,8 +294,8 @@ fn tested(step: &Step) -> Option<([i32; 2], &Surface)> {
 /// Candidates of the same block in `earlier` steps whose costs do not stand on the sheet of the one at hand, with these.
 fn candidates<'a>(own_step: &Step, earlier: &'a [Step], at_hand: &Computed<'_>) -> Vec<(Candidate<'a>, String)> {
     let Some((own, _)) = tested(own_step).filter(|_| at_hand.sums.is_some()) else { return Vec::new() };
-    let told = facts_of(own_step).iter().flat_map(|fact| numbers::of(&fact.value));
-    let of_lines = equation_of(own_step).iter().flat_map(|line| numbers::of(&line.plain()));
+    let told = own_step.facts().iter().flat_map(|fact| numbers::of(&fact.value));
+    let of_lines = own_step.formulas().iter().flat_map(|line| numbers::of(&line.plain()));
     let told: Vec<String> = told.chain(of_lines).collect();
     let mut found: Vec<(Candidate<'a>, String)> = Vec::new();
     for step in earlier {
@@ -318,7 +317,7 @@ fn candidates<'a>(own_step: &Step, earlier: &'a [Step], at_hand: &Computed<'_>) 
 /// Whether steps are about the same block: what comes first of their numbers and windows is the same.
 pub fn is_same_block(a: &Step, b: &Step) -> bool {
     let is_same_window = tiles_of(a).first().map(|tile| &tile.values) == tiles_of(b).first().map(|tile| &tile.values);
-    facts_of(a).first() == facts_of(b).first() && is_same_window
+    a.facts().first() == b.facts().first() && is_same_window
 }
 
 fn tiles_of(step: &Step) -> &[Tile] {

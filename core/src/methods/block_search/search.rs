@@ -66,7 +66,6 @@ pub(crate) const QUESTIONS: &[Question] = &[
             Reply::told(line::COMPUTE_COST, case::BELOW, "Yes: a new minimum"),
             Reply::told(line::COMPUTE_COST, case::ABOVE, "No"),
             Reply::told(line::COMPUTE_COST, case::EQUAL, "It equals the minimum"),
-            Reply::told(line::COMPUTE_COST, case::EARLY_EXIT, "No"),
             Reply::at(line::EXIT_EARLY, "No"),
             Reply::at(line::SKIP_CANDIDATE, "No"),
         ],

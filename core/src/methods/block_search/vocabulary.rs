@@ -122,7 +122,7 @@ crate::variables! { pub(crate) mod value;
     OFFSET: "", "", Unit::PX;
     /// The displacement of the minimum of the parabola along the axis.
     FITTED: "", "", Unit::PX, Role::Best;
-    /// The number of parts of a block whose sums give a lower bound.
+    /// The number of parts of a block; their sums give a lower bound.
     PARTS: "", "", Unit::WHOLE;
     /// The side of these parts.
     SIDE: "", "", Unit::WHOLE;

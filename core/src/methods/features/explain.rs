@@ -21,7 +21,7 @@ struct Probe {
     is_pointed_at: bool,
     tensor: Tensor,
     response: f32,
-    /// The eigenvalue below which noise alone may be the gradient.
+    /// Below this eigenvalue, noise alone may be the gradient.
     flat: f32,
 }
 

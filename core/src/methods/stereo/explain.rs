@@ -46,7 +46,7 @@ crate::variables! { pub(crate) mod value;
     PIXELS: "Pixels", "", Unit::count("pixel");
     /// The share of the pixels that pass all tests.
     ACCEPTED: "Measured", "", Unit::PERCENT;
-    /// The share of the pixels whose match is not unique.
+    /// The share of the pixels without a unique match.
     AMBIGUOUS: "Ambiguous", "", Unit::PERCENT;
     /// The share of the pixels that fail the left–right check.
     INCONSISTENT: "Inconsistent", "", Unit::PERCENT;

@@ -21,7 +21,7 @@ const SLOPE: Unit = Unit::new("", 4);
 variables! { pub(super) mod value;
     /// The number of blocks so far.
     BLOCKS: "Blocks", "", Unit::count("");
-    /// The number of blocks whose affine motion is a hypothesis.
+    /// The number of blocks with a hypothesis, their affine motion.
     HYPOTHESES: "Hypotheses", "", Unit::count("affine motion"), Role::Measured;
     /// The number of layers.
     LAYERS: "Layers", "", Unit::count("");

@@ -1,0 +1,103 @@
+//! Steps of every estimator, and what holds for all of them.
+
+use motionscope_core::scene::{Math, Sentence, Shown, latex};
+use motionscope_core::{AnyEstimator, Direction, Move, Scene, Step, estimators, examples};
+
+use crate::experiment::source::Source;
+use crate::experiment::{Experiment, Prepared};
+use crate::media::Open;
+use crate::paint::charts::formula::typeset;
+
+/// Steps of a run that are looked at.
+const STEPS: usize = 40;
+
+/// The first example of an estimator, or a moving scene.
+pub fn sample(estimator: &dyn AnyEstimator) -> Prepared {
+    let example = examples::of(estimator.info().id).next();
+    let mut estimator = estimator.boxed_clone();
+    let settings = example.map_or(&[][..], |example| example.settings);
+    settings.iter().for_each(|(name, value)| estimator.set(name, value).expect("a setting of an example"));
+    let clip = example.map_or("traffic", |example| example.clip);
+    let source = Source::parse(format!("synth:{clip}")).expect("a scene of an example");
+    let frame = example.map_or(0, |example| example.frame);
+    let experiment = Experiment { frame, ..Experiment::new(source, estimator) };
+    Prepared::open(experiment, Open::default()).expect("the clip of an example")
+}
+
+/// A step with the unit of the run that it belongs to.
+pub type InUnit = (Step, usize);
+
+/// The first steps of a run.
+pub fn steps(prepared: &Prepared) -> Vec<InUnit> {
+    let mut walk = prepared.experiment.walk(&prepared.clip).expect("a run");
+    let last = walk.info().granularities.len() - 1;
+    let mut steps = vec![(walk.step(None), walk.cursor().unit)];
+    while steps.len() < STEPS && !walk.at_end() {
+        walk.go(Move::Granularity(last, Direction::Forward));
+        while !walk.work(&mut || true) {}
+        steps.push((walk.step(None), walk.cursor().unit));
+    }
+    steps
+}
+
+/// The last step of a run.
+pub fn last(prepared: &Prepared) -> InUnit {
+    let mut walk = prepared.experiment.walk(&prepared.clip).expect("a run");
+    walk.jump(Move::End);
+    (walk.step(None), walk.cursor().unit)
+}
+
+#[test]
+fn every_formula_is_drawn_with_characters_that_the_fonts_have() {
+    let mut faults = Vec::new();
+    for estimator in estimators() {
+        let prepared = sample(&*estimator);
+        for (step, _) in steps(&prepared).into_iter().chain([last(&prepared)]) {
+            let missing = |math: &Math| typeset(math, 16.0, 400.0).missing();
+            for value in &step.values {
+                let symbol = latex::parse(value.of.symbol).unwrap_or_else(|why| panic!("{}: {why}", value.of.name));
+                assert_eq!(missing(&symbol), "", "{}: {}", estimator.info().id, value.of.symbol);
+            }
+            let of_step = step.formulas().iter().map(|math| (missing(math), math.plain()));
+            faults.extend(
+                of_step
+                    .filter(|(missing, _)| !missing.is_empty())
+                    .map(|(missing, plain)| format!("{}: {missing:?} of {plain}", estimator.info().id)),
+            );
+        }
+    }
+    faults.dedup();
+    assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
+}
+
+/// The step in a language that does not exist: the words of its templates are others, its values are the same.
+pub fn translated(step: &Step) -> Step {
+    let words = step.sentence.words().zip(step.sentence.variables()).map(|((words, role), of)| match of {
+        Some(_) => (words, role),
+        None => (words.replace(char::is_alphabetic, "ß"), role),
+    });
+    let mut sentence = Sentence::of_words(words.collect());
+    sentence.cases.clone_from(&step.sentence.cases);
+    Step { sentence, ..step.clone() }
+}
+
+#[test]
+fn questions_are_answered_in_any_language() {
+    let mut asked = 0;
+    for estimator in estimators() {
+        let scene = Scene::default();
+        for pair in steps(&sample(&*estimator)).windows(2) {
+            let [before, after] = [&pair[0].0, &pair[1].0];
+            let foreign = [before, after].map(translated);
+            for question in estimator.questions() {
+                let answer = |before, after| {
+                    question.answer(Shown { step: before, scene: &scene }, Shown { step: after, scene: &scene })
+                };
+                let expected = answer(before, after);
+                asked += usize::from(expected.is_some());
+                assert_eq!(answer(&foreign[0], &foreign[1]), expected, "{}: {}", estimator.info().id, question.id);
+            }
+        }
+    }
+    assert!(asked > 500, "only {asked} questions were answered");
+}
