@@ -878,7 +878,7 @@ fn an_entry_of_the_legend_shows_its_marks_alone_while_it_is_pointed_at() {
         window.app().lit()
     };
     assert_eq!(window.app().lit(), None);
-    let entry = legend.left_center() + vec2(10.0, 0.0);
+    let entry = legend.left_top() + vec2(10.0, 10.0);
     assert!(lit(&mut window, entry).is_some());
     assert_eq!(lit(&mut window, picture.center()), None, "on the picture all marks are back");
     assert!(lit(&mut window, entry).is_some());

@@ -317,6 +317,12 @@ fn add_line(whole: &mut Formula, line: Formula, below: Option<f32>, size_pt: f32
     lower
 }
 
+/// The letters of an index such as xy, which stand as close to each other as those of a word.
+fn letters(script: &Math) -> Option<String> {
+    let Math::Row(parts) = script else { return None };
+    parts.iter().map(|part| if let Math::Var(name) = part { Some(*name) } else { None }).collect()
+}
+
 /// A sign over a letter.
 #[derive(Clone, Copy)]
 enum Over {
@@ -396,7 +402,10 @@ impl Setter<'_> {
 
     fn script(&mut self, base: &Math, script: &Math, size: f32, offset: Point) -> Formula {
         let mut whole = self.set(base, size);
-        let script = self.set(script, size * SMALL);
+        let script = match letters(script) {
+            Some(word) => self.text(&word, size * SMALL, Face::Italic, None),
+            None => self.set(script, size * SMALL),
+        };
         let at = [whole.width + offset[0] * size, offset[1] * size];
         whole.put(script, at);
         whole
