@@ -1,6 +1,7 @@
 //! Trajectory analysis: speed and heading, line crossings, dwell time in a zone, anomalous directions.
 
 mod explain;
+mod marks;
 
 use std::sync::Arc;
 
@@ -16,7 +17,7 @@ use crate::run::{
     Estimator, Explained, Footprint, Frames, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, Span, Stage,
     Tracks, need,
 };
-use crate::scene::{Chart, Focus, Question, Reading, Role, Scene, Step};
+use crate::scene::{Chart, Focus, Question, Role, Scene, Step};
 use crate::{params, pseudocode};
 
 params! {
@@ -202,11 +203,8 @@ impl Estimator for TrajectoryAnalysis {
         granularities: &["clip", "frame", "step"],
         frames: 2,
     };
-    const QUESTIONS: &'static [Question] = &[Question::number(
-        "speed",
-        "How fast is the next object?",
-        Reading { line: line::MEASURE_VELOCITY, after: "speed ", before: " px/frame", unit: "px/frame" },
-    )];
+    const QUESTIONS: &'static [Question] =
+        &[Question::value("speed", "How fast is the next object?", line::MEASURE_VELOCITY, explain::value::SPEED)];
     const GUARANTEE: Guarantee = Guarantee::Objects;
     const NEEDS_PICTURES: bool = false;
     const CHARTS: &'static [Chart] = &[Chart::Series];

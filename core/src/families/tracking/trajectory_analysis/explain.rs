@@ -1,265 +1,245 @@
-//! The steps of the trajectory analysis in words, plots and marks.
+//! The steps of the trajectory analysis in words and plots.
 
 use std::sync::Arc;
 
 use super::{Event, State, TrajectoryAnalysis, line, near};
-use crate::base::words::{counted, heading, heading_deg, place};
-use crate::geometry::Bounds;
-use crate::methods::multi_object::directions::Directions;
-use crate::methods::numbers::{fixed, percent, px};
+use crate::base::words::heading_deg;
 use crate::products::{
-    Object, ObjectFrame, TrackStatus,
+    ObjectFrame, TrackStatus,
     objects::trajectory::{TrackPoint, Trajectory},
 };
 use crate::run::Seen;
-use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
+use crate::scene::{Case, Readout, Role, Series, Step, Unit};
+use crate::{cases, variables};
 
-/// The frames after which an ended trajectory is no longer drawn.
-const TRAIL_FRAMES: usize = 40;
+variables! { pub(super) mod value;
+    /// The current frame.
+    FRAME: "Frame", "t", Unit::WHOLE;
+    /// The number of the track.
+    TRACK: "Track", "", Unit::WHOLE, Role::Estimate;
+    /// The frame of the last position of the track.
+    SIGHTED: "Last position in frame", "", Unit::WHOLE;
+    /// The number of confirmed tracks in the frame.
+    CONFIRMED: "Confirmed tracks", "", Unit::count("confirmed track"), Role::Estimate;
+    /// The last position of the track.
+    POSITION: "Position", r"\mathbf{x}", Unit::PX;
+    /// The velocity of the track: the slope of the least-squares line through its last positions.
+    VELOCITY: "Velocity", r"\mathbf{v}", Unit::SPEED, Role::Result;
+    /// The velocity along x.
+    V_X: "Velocity along x", "v_x", Unit::SPEED;
+    /// The velocity along y.
+    V_Y: "Velocity along y", "v_y", Unit::SPEED;
+    /// The magnitude of the velocity.
+    SPEED: "Speed", r"|\mathbf{v}|", Unit::SPEED, Role::Result;
+    /// The speed from the last position but one to the last.
+    LAST_SPEED: "Speed since last position", "", Unit::SPEED, Role::Measured;
+    /// The smallest speed with a heading.
+    MIN_SPEED: "Minimum speed", "", Unit::SPEED;
+    /// The direction of the velocity, from the x axis towards the y axis.
+    HEADING: "Heading", "", Unit::DEGREES, Role::Result;
+    /// The number of frames of the velocity estimate.
+    FITTED: "Frames of the velocity", "", Unit::count("frame");
+    /// The length of the path of the track.
+    PATH_LENGTH: "Path length", "", Unit::PX;
+    /// The distance of the last position from the first as a share of the path length.
+    STRAIGHTNESS: "Straightness", "", Unit::PERCENT;
+    /// The number of the counting line.
+    LINE: "Line", "", Unit::WHOLE, Role::Window;
+    /// The number of crossings of the line so far.
+    CROSSINGS: "Crossings", "", Unit::WHOLE, Role::Window;
+    /// The number of crossings to the right of the line so far.
+    RIGHT: "Crossings to the right", "", Unit::count("crossing");
+    /// The number of crossings to the left of the line so far.
+    LEFT: "Crossings to the left", "", Unit::count("crossing");
+    /// The intersection of the path with the line.
+    CROSSING: "Crossing", "", Unit::PX;
+    /// The number of the zone.
+    ZONE: "Zone", "", Unit::WHOLE, Role::Reference;
+    /// The number of tracks of the frame that are in the zone.
+    INSIDE: "Tracks inside", "", Unit::WHOLE, Role::Reference;
+    /// The number of frames that the track was in the zone.
+    DWELL: "Dwell time", "", Unit::count("frame"), Role::Reference;
+    /// The first frame of the track in the zone.
+    ENTERED: "Entered in frame", "", Unit::WHOLE;
+    /// The last frame of the track in the zone.
+    LAST_INSIDE: "Last frame inside", "", Unit::WHOLE;
+    /// The angle between the heading and the mean direction of the other tracks.
+    ANGLE: "Angle", "", Unit::DEGREES, Role::Error;
+    /// The number of other tracks in the cell.
+    OTHERS: "Other tracks", "", Unit::count("other track"), Role::Error;
+    /// The angle above which a direction is anomalous.
+    UNUSUAL_ANGLE: "Unusual angle", "", Unit::DEGREES;
+    /// The number of cells with enough tracks for a comparison.
+    CELLS: "Cells", "", Unit::count("cell");
+    /// The number of other tracks in a cell that a comparison needs.
+    MIN_OTHERS: "Minimum number of others", "", Unit::WHOLE;
+    /// The number of trajectories of the run.
+    TRAJECTORIES: "Trajectories", "", Unit::count("trajectory");
+    /// The number of trajectories with an anomalous direction.
+    ANOMALIES: "Anomalous directions", "", Unit::WHOLE;
+    /// The number of trajectories that were in a zone.
+    DWELT: "Tracks with a dwell time", "", Unit::WHOLE;
+}
+
+cases! { pub(super) over value;
+    OPENING: "The trajectories of tracks give {result|speed and heading} (from the x axis towards the y axis, so 90° is down), \
+              crossings of {window|lines}, dwell times in {reference|zones} and {error|anomalous directions}. Place lines and zones on \
+              the picture with their buttons among the parameters.",
+    TRACKED: "{confirmed} in this frame.",
+    TRACK: "{estimate|Track} {track}",
+    TENTATIVE_TRACK: "{estimate|Track} {track} {estimate|(tentative, frame} {sighted}{estimate|)}",
+    STARTS: " starts at {position}; velocity needs a second position.",
+    SLOW: ": speed {speed} is below the minimum speed of {min_speed}, so it has no heading.",
+    FITTED: ": speed {speed}, heading {heading}, by least squares over {fitted}.",
+    APART: ": speed {speed}, heading {heading}, by the last two positions, which are farther apart than the window.",
+    CROSSES: " crosses",
+    THE_LINE: "{window|the line}",
+    LINE: "{window|line} {line}",
+    TO_RIGHT: " to its right (+) at {crossing}.",
+    TO_LEFT: " to its left (−) at {crossing}.",
+    SO_FAR: "Crossings so far: {right:bare} to the right, {left:bare} to the left.",
+    ENTERS: " enters",
+    LEAVES: " leaves",
+    THE_ZONE: "{reference|the zone}",
+    ZONE: "{reference|zone} {zone}",
+    DWELLS: "; dwell time counts from frame {entered}.",
+    DWELT: ": dwell time {dwell}, from frame {entered} to {last_inside}.",
+    UNUSUAL: " has an anomalous direction: {angle} {error|from the mean of} {others} in this cell, above {unusual_angle} (the unusual \
+              angle).",
+    LEARNED: "The directions of this frame are added to the grid. It has {cells} with the tracks that a comparison needs, at least \
+              {min_others}.",
+    RUN: "Run: {trajectories}, {anomalies} with an anomalous direction",
+    RUN_CROSSINGS: "; {right} of",
+    BOTH_WAYS: " to the right and {left:bare} to the left",
+    RUN_ZONE: "; {dwelt} in the zone",
+    RUN_ZONES: "; {dwelt} in zones",
+    RUN_END: ".",
+    COUNTED: "{right:bare} to the right, {left:bare} to the left",
+    COUNTED_AT_LINE: "line {line}: {right:bare} to the right, {left:bare} to the left",
+    INSIDE_ZONE: "{inside} in zone {zone}",
+    DWELL_IN_ZONE: "{dwell} in zone {zone}",
+    HEADING: "{heading} (90° is down)",
+}
 
 impl TrajectoryAnalysis {
     pub(super) fn explained_step(&self, seen: &Seen<Self>) -> Step {
-        let line = match seen.events.last() {
-            None => line::EACH_FRAME,
-            Some(Event::Tracked(_)) => line::TRACK,
-            Some(Event::Moved(_)) => line::MEASURE_VELOCITY,
-            Some(Event::Crossed(..)) => line::COUNT_CROSSING,
-            Some(Event::Entered(..) | Event::Left(..)) => line::NOTE_ZONE,
-            Some(Event::Unusual(..)) => line::IS_UNUSUAL,
-            Some(Event::Learned(_)) => line::LEARN_DIRECTIONS,
-        };
-        Step { values: Vec::new(), line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
-    }
-
-    fn sentence(&self, seen: &Seen<Self>) -> Sentence {
-        let said = Sentence::default();
-        let Some(event) = seen.events.last() else {
-            return said
-                .text("The trajectories of tracks give ")
-                .ink(Role::Result, "speed and heading")
-                .text(" (from the x axis towards the y axis, so 90° is down), crossings of ")
-                .ink(Role::Window, "lines")
-                .text(", dwell times in ")
-                .ink(Role::Reference, "zones")
-                .text(" and ")
-                .ink(Role::Error, "anomalous directions")
-                .text(". Place lines and zones on the picture with their buttons among the parameters.");
+        let (state, t, subject) = (seen.after.unwrap_or(seen.before), frame_of(seen.before), self.subject(seen));
+        let at = |line| {
+            let step = self.counted(Step::at(line).fact(value::FRAME, t), seen);
+            subject.iter().fold(step, |step, of| self.followed(step, of))
         };
         // The tentative frames of a track are added when it is confirmed.
-        let name = |trajectory: &Trajectory| {
-            let frame =
-                trajectory.sightings.last().map(|last| last.frame).filter(|frame| *frame != frame_of(seen.before));
-            let when = frame.map_or_else(String::new, |frame| format!(" (tentative, frame {frame})"));
-            format!("Track {}{when}", trajectory.id)
+        let track = |line, of: &Trajectory| {
+            let sighted = of.sightings.last().map_or(t, |last| last.frame);
+            at(line).put(value::SIGHTED, sighted).say(if sighted == t { case::TRACK } else { case::TENTATIVE_TRACK })
         };
-        match event {
-            Event::Tracked(frame) => {
-                let seen = frame.objects.iter().filter(|object| object.status == TrackStatus::Confirmed).count();
-                said.ink(Role::Estimate, counted(seen, "confirmed track")).text(" in this frame.")
+        let step = match seen.events.last() {
+            None => at(line::EACH_FRAME).say(case::OPENING),
+            Some(Event::Tracked(frame)) => {
+                let confirmed = frame.objects.iter().filter(|object| object.status == TrackStatus::Confirmed).count();
+                at(line::TRACK).put(value::CONFIRMED, confirmed).say(case::TRACKED)
             }
-            Event::Moved(of) => self.moved(said.ink(Role::Estimate, name(of)), of),
-            Event::Crossed(of, crossing) => {
-                let side = if crossing.is_forward { "right (+)" } else { "left (−)" };
-                said.ink(Role::Estimate, name(of)).text(" crosses ").ink(Role::Window, self.line_name(crossing.line)).text(
-                    format!(
-                        " to its {side} at {} px. {}",
-                        place(point(crossing.at)),
-                        crossings_so_far(counts(seen, crossing.line))
-                    ),
-                )
+            Some(Event::Moved(of)) => self.moved(track(line::MEASURE_VELOCITY, of), of),
+            Some(Event::Crossed(of, crossing)) => {
+                let step = put_line(track(line::COUNT_CROSSING, of).say(case::CROSSES), seen, crossing.line);
+                let step = step.put(value::CROSSING, crossing.at).say(self.line_case());
+                step.say(if crossing.is_forward { case::TO_RIGHT } else { case::TO_LEFT }).say(case::SO_FAR)
             }
-            Event::Entered(of, dwell) => said
-                .ink(Role::Estimate, name(of))
-                .text(" enters ")
-                .ink(Role::Reference, self.zone_name(dwell.zone))
-                .text(format!("; dwell time counts from frame {}.", dwell.entered)),
-            Event::Left(of, dwell) => {
-                said.ink(Role::Estimate, name(of)).text(" leaves ").ink(Role::Reference, self.zone_name(dwell.zone)).text(
-                    format!(
-                        ": dwell time {}, from frame {} to {}.",
-                        counted(dwell.frames(), "frame"),
-                        dwell.entered,
-                        dwell.last
-                    ),
-                )
+            Some(Event::Entered(of, dwell) | Event::Left(of, dwell)) => {
+                let step =
+                    track(line::NOTE_ZONE, of).put(value::ZONE, dwell.zone + 1).put(value::ENTERED, dwell.entered);
+                let step = step.put(value::DWELL, dwell.frames()).put(value::LAST_INSIDE, dwell.last);
+                let [way, times] =
+                    if dwell.is_over { [case::LEAVES, case::DWELT] } else { [case::ENTERS, case::DWELLS] };
+                step.say(way).say(self.zone_case()).say(times)
             }
-            Event::Unusual(of, anomaly) => said
-                .ink(Role::Estimate, name(of))
-                .text(" has an anomalous direction: ")
-                .ink(
-                    Role::Error,
-                    format!(
-                        "{}° from the mean of {}",
-                        fixed(anomaly.angle_deg, 0),
-                        counted(anomaly.others, "other track")
-                    ),
-                )
-                .text(format!(" in this cell, above {}° (the unusual angle).", fixed(self.unusual_angle.into(), 0))),
-            Event::Learned(directions) => said.text(format!(
-                "The directions of this frame are added to the grid. {} the tracks that a comparison needs, at least {}.{}",
-                match directions.all(self.min_others).len() {
-                    1 => "1 cell has".to_owned(),
-                    cells => format!("{cells} cells have"),
-                },
-                self.min_others,
-                self.conclusion(seen)
-            )),
-        }
+            Some(Event::Unusual(of, anomaly)) => {
+                let step = track(line::IS_UNUSUAL, of).put(value::ANGLE, anomaly.angle_deg);
+                let step = step.put(value::OTHERS, anomaly.others).put(value::UNUSUAL_ANGLE, self.unusual_angle);
+                step.say(case::UNUSUAL)
+            }
+            Some(Event::Learned(directions)) => {
+                let step = at(line::LEARN_DIRECTIONS).put(value::CELLS, directions.all(self.min_others).len());
+                self.concluded(step.put(value::MIN_OTHERS, self.min_others).say(case::LEARNED), seen)
+            }
+        };
+        let x_max = state.span.first + state.span.frames().unwrap_or(state.frames.len()).saturating_sub(1);
+        step.show_all(subject.iter().flat_map(|of| series(of, x_max)).map(Readout::Series))
     }
 
-    /// The counts of the run, at its end.
-    fn conclusion(&self, seen: &Seen<Self>) -> String {
+    /// Tells the counts of the run, at its end.
+    fn concluded(&self, step: Step, seen: &Seen<Self>) -> Step {
         let Some(state) = seen.after.filter(|after| after.span.frames() == Some(after.frames.len())) else {
-            return String::new();
+            return step;
         };
-        let (dwelt, unusual) = state.trajectories.iter().fold((0, 0), |(dwelt, unusual), of| {
-            let is_unusual = of.sightings.iter().any(|seen| seen.anomaly.is_some());
-            (dwelt + usize::from(!of.dwells.is_empty()), unusual + usize::from(is_unusual))
+        let trajectories = || state.trajectories.iter();
+        let anomalies = trajectories().filter(|of| of.sightings.iter().any(|seen| seen.anomaly.is_some())).count();
+        let step = step.put(value::TRAJECTORIES, trajectories().len()).put(value::ANOMALIES, anomalies).say(case::RUN);
+        let step = (0..self.lines.all().len()).fold(step, |step, line| {
+            put_line(step, seen, line).say(case::RUN_CROSSINGS).say(self.line_case()).say(case::BOTH_WAYS)
         });
-        let all = counted(state.trajectories.len(), "trajectory").replace("ys", "ies");
-        let mut said = format!(" Run: {all}, {unusual} with an anomalous direction");
-        for line in 0..self.lines.all().len() {
-            let [right, left] = counts(seen, line);
-            said += &format!(
-                "; {} of {} to the right and {left} to the left",
-                counted(right, "crossing"),
-                self.line_name(line)
-            );
-        }
-        if !self.zones.all().is_empty() {
-            said += &format!("; {dwelt} in {}", if self.zones.all().len() > 1 { "zones" } else { "the zone" });
-        }
-        said + "."
+        let (zones, dwelt) = (self.zones.all().len(), trajectories().filter(|of| !of.dwells.is_empty()).count());
+        let step = step.put(value::DWELT, dwelt).say_if(zones == 1, case::RUN_ZONE).say_if(zones > 1, case::RUN_ZONES);
+        step.say(case::RUN_END)
     }
 
-    fn moved(&self, said: Sentence, trajectory: &Trajectory) -> Sentence {
-        let Some(last) = trajectory.sightings.last() else { return said };
-        match last.velocity {
-            None => said.text(format!(" starts at {} px; velocity needs a second position.", place(point(last.at)))),
-            Some(velocity) => {
-                let speed = velocity[0].hypot(velocity[1]);
-                let said = said.text(": speed ").ink(Role::Result, format!("{} px/frame", px(speed)));
-                if speed < f64::from(self.min_speed) {
-                    let least = px(self.min_speed.into());
-                    return said
-                        .text(format!(" is below the minimum speed of {least} px/frame, so it has no heading."));
+    fn moved(&self, step: Step, trajectory: &Trajectory) -> Step {
+        let Some(last) = trajectory.sightings.last() else { return step };
+        let Some([u, v]) = last.velocity else { return step.put(value::POSITION, last.at).say(case::STARTS) };
+        let sightings = trajectory.sightings.iter().rev();
+        let first = sightings.take_while(|seen| seen.frame + self.window > last.frame).last().unwrap_or(last);
+        let step = step.put(value::MIN_SPEED, self.min_speed).put(value::FITTED, last.frame - first.frame + 1);
+        step.say(match first.frame < last.frame {
+            _ if u.hypot(v) < f64::from(self.min_speed) => case::SLOW,
+            true => case::FITTED,
+            false => case::APART,
+        })
+    }
+
+    /// Adds the counts of lines and zones.
+    fn counted(&self, step: Step, seen: &Seen<Self>) -> Step {
+        let (lines, zones) = (self.lines.all().len(), self.zones.all().len());
+        let step = (0..lines).fold(step, |step, line| {
+            let (step, [right, left]) = (put_line(step, seen, line), counts(seen, line));
+            let case = if lines > 1 { case::COUNTED_AT_LINE } else { case::COUNTED };
+            step.fact_as(value::CROSSINGS.is(right + left), case)
+        });
+        (0..zones).fold(step, |step, zone| match zones {
+            1 => step.fact(value::INSIDE, inside(seen, zone)),
+            _ => step.put(value::ZONE, zone + 1).fact_as(value::INSIDE.is(inside(seen, zone)), case::INSIDE_ZONE),
+        })
+    }
+
+    /// Adds the facts of a trajectory, and the formulas of velocity, speed and heading.
+    fn followed(&self, step: Step, trajectory: &Trajectory) -> Step {
+        let step = step.fact(value::TRACK, trajectory.id);
+        let step = match trajectory.sightings.last() {
+            Some(TrackPoint { velocity: Some([u, v]), step: Some(last), .. }) => {
+                let degrees = heading_deg([*u, *v]);
+                // Left is 180°, never −180°.
+                let degrees = if degrees <= -179.5 { degrees + 360.0 } else { degrees };
+                let step = step.put(value::VELOCITY, [*u, *v]).put(value::V_X, *u).put(value::V_Y, *v);
+                let step = step.fact(value::SPEED, u.hypot(*v)).fact(value::LAST_SPEED, last[0].hypot(last[1]));
+                let step = step.fact_as(value::HEADING.is(degrees), case::HEADING);
+                let step = step
+                    .formula(r"\mathbf{v} = \frac{\sum_i (t_i - \bar{t}) (\mathbf{x}_i - \bar{\mathbf{x}})}{\sum_i (t_i - \bar{t})^2} = {velocity:unit}")
+                    .formula(r"|\mathbf{v}| = \sqrt{v_x^2 + v_y^2} = \sqrt{{v_x}^2 + {v_y}^2} = {speed:unit}");
+                match u.hypot(*v) >= f64::from(self.min_speed) {
+                    true => step.formula(
+                        r"\text{heading} = \text{atan2}(v_y, v_x) = \text{atan2}({v_y}, {v_x}) = {heading:unit}",
+                    ),
+                    false => step,
                 }
-                said.text(format!(", heading {}, by {}.", heading(velocity), self.over(trajectory)))
             }
-        }
-    }
-
-    /// The positions that the velocity is fitted to, in words.
-    fn over(&self, trajectory: &Trajectory) -> String {
-        let sightings = || trajectory.sightings.iter().rev();
-        let last = sightings().next().map_or(0, |seen| seen.frame);
-        match sightings().take_while(|seen| seen.frame + self.window > last).last() {
-            Some(first) if first.frame < last => {
-                format!("least squares over {}", counted(last - first.frame + 1, "frame"))
-            }
-            _ => "the last two positions, which are farther apart than the window".into(),
-        }
-    }
-
-    fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
-        let state = seen.after.unwrap_or(seen.before);
-        let mut facts = vec![Fact::new("Frame", frame_of(seen.before).to_string(), None)];
-        let lines = self.lines.all().len();
-        if lines > 0 {
-            let of_line = |line: usize| {
-                let [forward, back] = counts(seen, line);
-                let counted = format!("{forward} to the right, {back} to the left");
-                if lines > 1 { format!("line {}: {counted}", line + 1) } else { counted }
-            };
-            let told = (0..lines).map(of_line).collect::<Vec<_>>().join("; ");
-            facts.push(Fact::new("Crossings", told, Some(Role::Window)));
-        }
-        let zones = self.zones.all().len();
-        if zones > 0 {
-            let of_zone = |zone: usize| {
-                let inside = inside(seen, zone);
-                if zones > 1 { format!("{inside} in zone {}", zone + 1) } else { inside.to_string() }
-            };
-            let told = (0..zones).map(of_zone).collect::<Vec<_>>().join(", ");
-            let label = if zones > 1 { "Tracks in zones" } else { "Tracks in the zone" };
-            facts.push(Fact::new(label, told, Some(Role::Reference)));
-        }
-        let subject = self.subject(seen);
-        if let Some(trajectory) = &subject {
-            facts.extend(self.facts(trajectory));
-        }
-        let mut readouts = vec![Readout::Facts(facts)];
-        readouts.extend(subject.as_ref().and_then(|of| self.equation(of)).map(Readout::Equation));
-        if let Some(trajectory) = subject {
-            let x_max = state.span.first + state.span.frames().unwrap_or(state.frames.len()).saturating_sub(1);
-            readouts.extend(series(&trajectory, x_max).into_iter().map(Readout::Series));
-        }
-        readouts
-    }
-
-    /// The formulas of velocity, speed and heading with the numbers of the last position.
-    fn equation(&self, trajectory: &Trajectory) -> Option<Vec<Math>> {
-        let [x, y] = trajectory.sightings.last()?.velocity?;
-        let ((bold, var), mean) = ((Math::Bold, Math::Var), |name| Math::mean(Math::Var(name)));
-        let of = |name: Math| Math::indexed(name, var("i"));
-        let late = || Math::Row(vec![Math::text("("), of(var("t")), Math::text(" − "), mean("t"), Math::text(")")]);
-        let away = vec![Math::text(" ("), of(bold("x")), Math::text(" − "), Math::mean(bold("x")), Math::text(")")];
-        let sum = || Math::Sum(Box::new(var("i")));
-        let along = Math::Row([vec![sum(), late()], away].concat());
-        let spread = Math::Row(vec![sum(), Math::squared(late())]);
-        let slope = Math::ink(Role::Result, format!("({}, {}) px/frame", px(x), px(y)));
-        let part = |name| Math::indexed(var("v"), Math::text(name));
-        let squares =
-            |x: Math, y: Math| Math::root(Math::Row(vec![Math::squared(x), Math::text(" + "), Math::squared(y)]));
-        let bracketed = |v: f64| Math::text(if v < 0.0 { format!("({})", px(v)) } else { px(v) });
-        let speed = Math::ink(Role::Result, format!("{} px/frame", px(x.hypot(y))));
-        let mut lines = vec![
-            Math::Row(vec![bold("v"), Math::text(" = "), Math::over(along, spread), Math::text(" = "), slope]),
-            Math::Row(vec![
-                Math::abs(bold("v")),
-                Math::text(" = "),
-                squares(part("x"), part("y")),
-                Math::text(" = "),
-                squares(bracketed(x), bracketed(y)),
-                Math::text(" = "),
-                speed,
-            ]),
-        ];
-        if x.hypot(y) >= f64::from(self.min_speed) {
-            lines.push(Math::Row(vec![
-                Math::text("heading = atan2("),
-                part("y"),
-                Math::text(", "),
-                part("x"),
-                Math::text(format!(") = atan2({}, {}) = ", px(y), px(x))),
-                Math::ink(Role::Result, heading([x, y])),
-            ]));
-        }
-        Some(lines)
-    }
-
-    fn facts(&self, trajectory: &Trajectory) -> Vec<Fact> {
-        let mut facts = vec![Fact::new("Track", trajectory.id.to_string(), Some(Role::Estimate))];
-        if let Some(TrackPoint { velocity: Some(velocity), step: Some(step), .. }) = trajectory.sightings.last() {
-            let speed = |v: &[f64; 2]| format!("{} px/frame", px(v[0].hypot(v[1])));
-            facts.push(Fact::new("Speed", speed(velocity), Some(Role::Result)));
-            facts.push(Fact::new("Speed since last position", speed(step), Some(Role::Measured)));
-            facts.push(Fact::new("Heading", format!("{} (90° is down)", heading(*velocity)), None));
-        }
-        facts.push(Fact::new("Path length", format!("{} px", px(trajectory.length_px())), None));
-        if let Some(straightness) = trajectory.straightness() {
-            facts.push(Fact::new("Straightness", percent(straightness), None));
-        }
-        let zones = self.zones.all().len();
-        if zones > 0 {
-            let in_zone = |zone: usize| {
-                let frames = counted(trajectory.dwell_frames_in(zone), "frame");
-                if zones > 1 { format!("{frames} in zone {}", zone + 1) } else { frames }
-            };
-            let told = (0..zones).map(in_zone).collect::<Vec<_>>().join(", ");
-            facts.push(Fact::new("Dwell time", told, Some(Role::Reference)));
-        }
-        facts
+            _ => step,
+        };
+        let step = step.fact(value::PATH_LENGTH, trajectory.length_px());
+        let step = step.fact_if(value::STRAIGHTNESS, trajectory.straightness().map(|share| 100.0 * share));
+        let (zones, dwell) = (self.zones.all().len(), |zone| value::DWELL.is(trajectory.dwell_frames_in(zone)));
+        (0..zones).fold(step, |step, zone| match zones {
+            1 => step.fact_of(dwell(zone)),
+            _ => step.put(value::ZONE, zone + 1).fact_as(dwell(zone), case::DWELL_IN_ZONE),
+        })
     }
 
     /// The trajectory that the facts are about: that of the step, the one pointed at, or the longest.
@@ -273,106 +253,30 @@ impl TrajectoryAnalysis {
         pointed.or_else(most).map(Arc::clone)
     }
 
-    pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        scene.is_overview = seen.after.is_some() && seen.point().is_none();
-        let all = now(seen);
-        if let Some(Event::Learned(directions)) = seen.events.last() {
-            self.draw_directions(directions, scene);
-        }
-        self.draw_places(seen, scene);
-        let t = frame_of(seen.before);
-        for trajectory in &all {
-            let is_recent = trajectory.sightings.last().is_some_and(|last| last.frame + TRAIL_FRAMES >= t);
-            let points: Vec<[f32; 2]> = trajectory.sightings.iter().map(|seen| point(seen.at)).collect();
-            if is_recent && points.len() > 1 {
-                let path = Shape::Path { points, closed: false };
-                scene.mark_of(trajectory.id, Picture::CURRENT, Role::Estimate, path);
-            }
-        }
-        for object in frame_at(seen).iter().flat_map(|frame| &frame.objects) {
-            let of = all.binary_search_by_key(&object.id, |trajectory| trajectory.id).ok();
-            let last = of.and_then(|i| all[i].sightings.last()).filter(|seen| seen.frame == t);
-            draw_object(scene, object, last);
-        }
-        let crossings: Vec<[f32; 2]> = all.iter().flat_map(|of| of.crossings.iter().map(|c| point(c.at))).collect();
-        if !crossings.is_empty() {
-            scene.mark(Picture::CURRENT, Role::Best, Shape::Points(crossings));
-            scene.legend(Role::Best, "crossing");
-        }
-        scene.legend(Role::Estimate, "trajectory of a track");
-        if let Some(Event::Unusual(of, anomaly)) = seen.events.last()
-            && let Some(last) = of.sightings.last()
-        {
-            scene.mark(Picture::CURRENT, Role::Rejected, chevron(last.at, anomaly.mean, self.cell_size as f64));
-            scene.legend(Role::Rejected, "mean direction of tracks");
-        }
+    fn line_case(&self) -> &'static Case {
+        if self.lines.all().len() > 1 { case::LINE } else { case::THE_LINE }
     }
 
-    /// Draws lines and zones with their counts, and with their numbers where there are several.
-    fn draw_places(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        let zones = self.zones.all();
-        for (i, Bounds { min, max }) in zones.iter().enumerate() {
-            scene.mark(Picture::CURRENT, Role::Reference, Shape::Rect { min: *min, max: *max });
-            scene.legend(Role::Reference, "zone");
-            if zones.len() > 1 {
-                let text = Shape::Text { at: [min[0], max[1]], text: format!("zone {}", i + 1) };
-                scene.mark(Picture::CURRENT, Role::Reference, text);
-            }
-        }
-        (0..self.lines.all().len()).for_each(|line| self.draw_line(seen, scene, line));
-    }
-
-    fn draw_line(&self, seen: &Seen<Self>, scene: &mut Scene, index: usize) {
-        let lines = self.lines.all();
-        let line = lines[index];
-        let path = Shape::Path { points: vec![line.from, line.to], closed: false };
-        scene.mark(Picture::CURRENT, Role::Window, path);
-        let [u, v] = [0, 1].map(|i| line.to[i] - line.from[i]);
-        let length = u.hypot(v);
-        // Near its end, where fewer tracks cross than in its middle.
-        let at = |share: f32, side: f32| {
-            let along = [0, 1].map(|i| line.from[i] + share * (line.to[i] - line.from[i]));
-            [along[0] - side * 12.0 * v / length, along[1] + side * 12.0 * u / length]
-        };
-        let [forward, back] = counts(seen, index);
-        // Right as seen along the line, since y points down.
-        for (side, text) in [(1.0, format!("+{forward}")), (-1.0, format!("−{back}"))] {
-            scene.mark(Picture::CURRENT, Role::Window, Shape::Text { at: at(0.88, side), text });
-        }
-        if lines.len() > 1 {
-            let text = format!("line {}", index + 1);
-            scene.mark(Picture::CURRENT, Role::Window, Shape::Text { at: at(0.12, 1.0), text });
-        }
-        scene.legend(Role::Window, "counting line with crossings");
-    }
-
-    /// The name of a line in a sentence: the line, or line 2 of several.
-    fn line_name(&self, index: usize) -> String {
-        if self.lines.all().len() > 1 { format!("line {}", index + 1) } else { "the line".into() }
-    }
-
-    fn zone_name(&self, index: usize) -> String {
-        if self.zones.all().len() > 1 { format!("zone {}", index + 1) } else { "the zone".into() }
-    }
-
-    fn draw_directions(&self, directions: &Directions, scene: &mut Scene) {
-        for (at, mean) in directions.all(self.min_others) {
-            let shape = chevron(at.map(f64::from), mean.direction, directions.side_px as f64 * mean.agreement);
-            scene.mark(Picture::CURRENT, Role::Rejected, shape);
-            scene.legend(Role::Rejected, "mean direction of tracks");
-        }
+    fn zone_case(&self) -> &'static Case {
+        if self.zones.all().len() > 1 { case::ZONE } else { case::THE_ZONE }
     }
 }
 
+/// Puts a line with its crossings.
+fn put_line(step: Step, seen: &Seen<TrajectoryAnalysis>, line: usize) -> Step {
+    let [right, left] = counts(seen, line);
+    step.put(value::LINE, line + 1).put(value::RIGHT, right).put(value::LEFT, left)
+}
+
 /// The objects of the current frame, or of the one before it.
-fn frame_at<'a>(seen: &Seen<'a, TrajectoryAnalysis>) -> Option<&'a Arc<ObjectFrame>> {
+pub(super) fn frame_at<'a>(seen: &Seen<'a, TrajectoryAnalysis>) -> Option<&'a Arc<ObjectFrame>> {
     let at_hand =
         seen.events.iter().find_map(|event| if let Event::Tracked(frame) = event { Some(frame) } else { None });
     at_hand.or(seen.before.frames.last())
 }
 
 /// All trajectories up to the step.
-fn now(seen: &Seen<TrajectoryAnalysis>) -> Vec<Arc<Trajectory>> {
+pub(super) fn now(seen: &Seen<TrajectoryAnalysis>) -> Vec<Arc<Trajectory>> {
     let mut all = seen.after.unwrap_or(seen.before).trajectories.clone();
     for of in seen.events.iter().filter_map(Event::trajectory) {
         match all.binary_search_by_key(&of.id, |trajectory| trajectory.id) {
@@ -381,10 +285,6 @@ fn now(seen: &Seen<TrajectoryAnalysis>) -> Vec<Arc<Trajectory>> {
         }
     }
     all
-}
-
-fn crossings_so_far([forward, back]: [usize; 2]) -> String {
-    format!("Crossings so far: {forward} to the right, {back} to the left.")
 }
 
 /// The tracks of the frame that are in a zone.
@@ -396,48 +296,15 @@ fn inside(seen: &Seen<TrajectoryAnalysis>, zone: usize) -> usize {
 }
 
 /// The crossings of a line to its right and to its left.
-fn counts(seen: &Seen<TrajectoryAnalysis>, line: usize) -> [usize; 2] {
+pub(super) fn counts(seen: &Seen<TrajectoryAnalysis>, line: usize) -> [usize; 2] {
     let all = now(seen);
     let crossings = || all.iter().flat_map(|of| &of.crossings).filter(|crossing| crossing.line == line);
     let of = |is_forward: bool| crossings().filter(|crossing| crossing.is_forward == is_forward).count();
     [of(true), of(false)]
 }
 
-fn frame_of(state: &State) -> usize {
+pub(super) fn frame_of(state: &State) -> usize {
     state.span.first + state.frames.len()
-}
-
-fn point(at: [f64; 2]) -> [f32; 2] {
-    at.map(|c| c as f32)
-}
-
-/// A short arrow in a direction around a position.
-fn chevron(at: [f64; 2], [u, v]: [f64; 2], size_px: f64) -> Shape {
-    let place = |along: f64, across: f64| {
-        point([at[0] + size_px * (along * u - across * v), at[1] + size_px * (along * v + across * u)])
-    };
-    let tip = place(0.3, 0.0);
-    Shape::Path { points: vec![place(-0.3, 0.0), tip, place(0.18, 0.1), tip, place(0.18, -0.1)], closed: false }
-}
-
-/// Draws a track's box, number and velocity.
-fn draw_object(scene: &mut Scene, object: &Object, last: Option<&TrackPoint>) {
-    let is_unusual = last.is_some_and(|last| last.anomaly.is_some());
-    let (role, meaning) = match object.status {
-        _ if is_unusual => (Role::Error, "anomalous direction"),
-        TrackStatus::Tentative => (Role::Candidate, "tentative track"),
-        TrackStatus::Confirmed => (Role::Estimate, "confirmed track"),
-        TrackStatus::Coasting => (Role::Predicted, "coasting track"),
-    };
-    let Bounds { min, max } = object.bounds;
-    scene.mark(Picture::CURRENT, role, Shape::Rect { min, max });
-    scene.mark_of(object.id, Picture::CURRENT, role, Shape::Text { at: min, text: object.id.to_string() });
-    scene.legend(role, meaning);
-    if let Some(TrackPoint { at, velocity: Some(velocity), .. }) = last {
-        let (from, to) = (point(*at), point([0, 1].map(|i| at[i] + velocity[i])));
-        scene.mark(Picture::CURRENT, Role::Result, Shape::Arrows(vec![Arrow { from, to }]));
-        scene.legend(Role::Result, "velocity in px/frame");
-    }
 }
 
 /// Breaks a line of headings where it wraps from 180° to −180°.
