@@ -75,7 +75,7 @@ fn of_value(value: &Value) -> serde_json::Value {
         _ if matches!(value.number, Number::Word(_)) => None,
         Decimals::Fixed(decimals) | Decimals::Signed(decimals) => Some(decimals),
         Decimals::Count => Some(0),
-        Decimals::WholeOr(_) | Decimals::AtMost(_) | Decimals::OrPower(_) => None,
+        Decimals::WholeOr(_) | Decimals::AtMost(_) | Decimals::OrPower(_) | Decimals::WholeOrPower => None,
     };
     json!({
         "name": value.of.name.replace('-', "_"),

@@ -78,6 +78,8 @@ pub enum Decimals {
     /// This many, none from 100 000 on, where an `f32` has no more digits, but two digits and a power of ten where decimals would be
     /// zeros.
     OrPower(u8),
+    /// None, but two digits and a power of ten from a million on.
+    WholeOrPower,
     /// A count of things.
     Count,
 }
@@ -133,7 +135,7 @@ impl Unit {
             Decimals::WholeOr(decimals) => Decimals::WholeOr(decimals + further),
             Decimals::AtMost(decimals) => Decimals::AtMost(decimals + further),
             Decimals::OrPower(decimals) => Decimals::OrPower(decimals + further),
-            Decimals::Count => Decimals::Count,
+            whole @ (Decimals::Count | Decimals::WholeOrPower) => whole,
         };
         Self { decimals, ..self }
     }
@@ -150,13 +152,17 @@ impl Unit {
             | Decimals::AtMost(decimals)
             | Decimals::OrPower(decimals)
             | Decimals::WholeOr(decimals) => decimals.into(),
-            Decimals::Count => 0,
+            Decimals::Count | Decimals::WholeOrPower => 0,
         }
     }
 
     /// Whether a number is written with a power of ten.
     fn has_power(self, number: f64) -> bool {
-        matches!(self.decimals, Decimals::OrPower(decimals) if number != 0.0 && number.abs() < 0.5 * 0.1f64.powi(decimals.into()))
+        match self.decimals {
+            Decimals::OrPower(decimals) => number != 0.0 && number.abs() < 0.5 * 0.1f64.powi(decimals.into()),
+            Decimals::WholeOrPower => number.abs() >= 1e6,
+            _ => false,
+        }
     }
 
     /// A number without its unit.
@@ -268,9 +274,15 @@ impl Value {
         self.written(&self.number)
     }
 
-    /// The number with its unit, as it stands in a sentence: `5.53 gray levels`, `3 candidates`.
+    /// The number with its unit, as it stands in a sentence: `5.53 gray levels`, `3 candidates`, `1, 2 and 3`.
     pub fn text(&self) -> String {
-        let bare = self.bare();
+        let bare = match (self.bare(), &self.number) {
+            (listed, Number::List(all)) if all.len() <= LISTED => match listed.rsplit_once(", ") {
+                Some((first, last)) => format!("{first} and {last}"),
+                None => listed,
+            },
+            (bare, _) => bare,
+        };
         match (&self.number, self.unit) {
             (Number::Word(_), _) => bare,
             (_, Unit { name: "", .. }) => bare,
@@ -465,6 +477,7 @@ mod tests {
         assert_eq!([3, 8].map(|count| ValueStyle::Sum.text(&costs(count))), ["0 − 1 − 2", "0 − 1 − 2 − 3 − 4 − 5 + …"]);
         let places: Number = (0..8).map(|x| [x, 1]).collect();
         assert!(value::CANDIDATE.is(places).bare().ends_with("(5,\u{a0}1) and 2 more"));
+        assert_eq!([1, 2, 3].map(|count| costs(count).text()), ["0", "0 and −1", "0, −1 and −2"]);
     }
 
     #[test]
@@ -474,6 +487,9 @@ mod tests {
         let written = [-219_023.4, -0.00026, 0.0, 0.08].map(|number| response(number).bare());
         assert_eq!(written, ["−219\u{202f}023", "−2.6·10⁻⁴", "0.00", "0.08"]);
         assert_eq!(response(0.002_644).in_unit(Unit::RESPONSE.finer(1)).bare(), "0.003");
+        let ratio = Unit { decimals: Decimals::WholeOrPower, ..Unit::WHOLE };
+        let written = [1.0, 12_345.0, 1.2e7, 80.0f64.exp()].map(|number| value::LIMIT.is(number).in_unit(ratio).bare());
+        assert_eq!(written, ["1", "12\u{202f}345", "1.2·10⁷", "5.5·10³⁴"]);
         assert_eq!(value::LIMIT.is(0.123_46).rounded(), Some(0.1235));
         assert_eq!(value::LIMIT.is(2.5).in_unit(Unit::WHOLE).rounded(), Some(2.0), "as 2 is shown");
         assert_eq!(value::CANDIDATE.is([1.0, 2.0]).rounded(), None);
