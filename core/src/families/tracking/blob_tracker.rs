@@ -2,6 +2,8 @@
 
 mod correspond;
 mod explain;
+mod marks;
+mod vocabulary;
 
 use std::sync::Arc;
 
