@@ -5,6 +5,7 @@ mod explain;
 mod lanes;
 mod perturbation;
 mod transform;
+mod vocabulary;
 
 use std::sync::Arc;
 
@@ -16,12 +17,13 @@ use crate::geometry::{Border, Gray, Grid};
 use crate::methods::region::{LOST, RegionModel, Settings, Similarity, WHERE};
 use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Chart, Name, Question, Reply};
+use crate::scene::{Chart, Name, Question, Reply, Step};
 use crate::{params, pseudocode};
 
 use appearance::{Appearance, Evidence};
 use lanes::Lanes;
 use transform::{Spectrum, Transform, hann};
+use vocabulary::{case, value};
 
 params! {
     /// Correlation filter (MOSSE).
@@ -373,10 +375,7 @@ impl RegionModel for CorrelationFilter {
         Question::choice(
             "accepted",
             "Does the peak stand out from the sidelobes?",
-            &[
-                Reply::says(line::JUDGE, "the peak stands out", "Yes"),
-                Reply::says(line::JUDGE, "The peak does not stand out", "No: lost"),
-            ],
+            &[Reply::told(line::JUDGE, case::HIGH_PSR, "Yes"), Reply::told(line::JUDGE, case::LOW_PSR, "No: lost")],
         ),
         LOST,
     ];
@@ -398,16 +397,9 @@ impl RegionModel for CorrelationFilter {
     fn refusal(&self, frame: &Frame, region: Region) -> Option<String> {
         let size = self.window_of(region);
         let deviation = deviation(&levels(frame.luma(), origin(region.center, size), size));
-        (deviation < LEAST_DEVIATION).then(|| {
-            format!(
-                "the gray levels of its window of {}×{} px have a standard deviation of {} under the window function, below {}, and without \
-                 texture there is nothing to correlate with.",
-                size.0,
-                size.1,
-                crate::base::words::fixed(deviation, 2),
-                crate::base::words::fixed(LEAST_DEVIATION, 2)
-            )
-        })
+        let step = Step::at(line::CHOOSE).put(value::WIDTH, size.0).put(value::HEIGHT, size.1);
+        let step = step.put(value::DEVIATION, deviation).put(value::LEAST_DEVIATION, LEAST_DEVIATION);
+        (deviation < LEAST_DEVIATION).then(|| step.say(case::REFUSED).sentence.plain())
     }
 
     fn begin(&self, frame: &Arc<Frame>, region: Region, observer: &mut impl Observer<Event>) -> (Model, f32) {

@@ -1,136 +1,43 @@
 //! The explanation and the drawing of the correlation filter.
 
 use super::perturbation::PERTURBED_SCALE;
+use super::vocabulary::{case, value};
 use super::{CorrelationFilter, Event, Evidence, Model, Response};
-use crate::base::words::{counted, fixed, place};
 use crate::geometry::Grid;
-use crate::methods::numbers::ratio;
-use crate::methods::region::{At, Ending, Explained, Outcome};
+use crate::methods::region::{At, Ending, Explained, Outcome, RegionModel};
 use crate::scene::{
-    Arrow, BetweenPixels, Fact, Footing, Math, Picture, Readout, Role, Scene, Sentence, Shape, Surface, Tile,
+    Arrow, BetweenPixels, Fact, Footing, Number, Picture, Readout, Role, Scene, Sentence, Shape, Step, Surface, Tile,
 };
 
 /// The response is drawn as a surface up to this displacement, in px.
 const REACH_PX: i32 = 24;
 
-fn psr(value: f32) -> String {
-    fixed(value.into(), 2)
-}
-
 impl Explained for CorrelationFilter {
+    // All trackers of a region still explain themselves in texts.
+
     fn sentence(&self, at: &At<'_, Self>) -> Sentence {
-        let said = Sentence::default();
-        match at.event {
-            Event::Learned(patch, _) => said
-                .text("The ")
-                .ink(Role::Reference, "filter H*")
-                .text(format!(
-                    " is learned from a window of {}×{} px{}. It minimises the squared difference of its response from a Gaussian of \
-                     σ = {} px at the object.",
-                    patch.width(),
-                    patch.height(),
-                    self.perturbed_copies(),
-                    fixed(self.sigma.into(), 1)
-                )),
-            Event::Cut(response) => {
-                let (width, height) = response.patch.size();
-                said.ink(Role::Window, format!("The window of {width}×{height} px")).text(
-                    " around the last position: the logarithm of its gray levels, without their mean and of norm 1, so that brightness and \
-                     contrast do not matter, and under the Hann window, which fades to its border.",
-                )
-            }
-            Event::Responded(response) => said.text(format!(
-                "The product of the spectrum with the filter is transformed back: a response for all {} displacements at once.",
-                crate::base::words::grouped(response.values.cells().len())
-            )),
-            Event::Found(response) => said
-                .text("The highest response, ")
-                .ink(Role::Best, ratio(response.values[response.peak].into()))
-                .text(format!(
-                    ", lies at a displacement of {} px, with parabolas along x and y. A perfect match would give 1.",
-                    place(response.displacement)
-                )),
-            Event::Judged(response, evidence) => self.judged(response, evidence.as_ref(), said),
-            Event::Updated(..) => said.text(format!(
-                "The window at the new position is averaged into numerator and denominator of the filter with η = {}, so that it follows \
-                 changes of appearance.",
-                ratio(self.learning_rate.into())
-            )),
-        }
+        self.explained(at).sentence
     }
 
     fn facts(&self, at: &At<'_, Self>) -> Vec<Fact> {
-        match at.event {
-            Event::Found(response) | Event::Judged(response, _) => {
-                let mut facts = vec![
-                    Fact::new("Displacement", format!("{} px", place(response.displacement)), Some(Role::Best)),
-                    Fact::new("Peak", ratio(response.values[response.peak].into()), Some(Role::Best)),
-                    Fact::new("Peak-to-sidelobe ratio", psr(response.psr), Some(Role::Measured)),
-                ];
-                if let Some(Evidence { zncc, coefficients: [object, around] }) = evidence(at) {
-                    let zncc = zncc.map_or_else(|| "undefined, a region is uniform".into(), ratio);
-                    facts.push(Fact::new("ZNCC with the first region", zncc, None));
-                    let levels = format!("{} and {}", ratio(*object), ratio(*around));
-                    facts.push(Fact::new("ρ of gray levels, object and surroundings", levels, None));
-                }
-                facts
-            }
-            Event::Cut(response) | Event::Responded(response) | Event::Updated(response, _) => {
-                let (width, height) = response.patch.size();
-                vec![Fact::new("Window", format!("{width}×{height} px"), Some(Role::Window))]
-            }
-            Event::Learned(..) => Vec::new(),
-        }
+        self.explained(at).facts().to_vec()
     }
 
     fn readouts(&self, at: &At<'_, Self>) -> Vec<Readout> {
-        let filter = || at.model.map(filter_tile);
-        match at.event {
-            Event::Learned(patch, model) => {
-                let numbers = |name| Math::indexed(Math::Var(name), Math::Var("i"));
-                let sum = |of: Vec<Math>| Math::Row(vec![Math::Sum(Box::new(Math::Var("i"))), Math::Row(of)]);
-                let star = |name| Math::power(numbers(name), Math::text("*"));
-                let formula = Math::Row(vec![
-                    Math::power(Math::Var("H"), Math::text("*")),
-                    Math::text(" = "),
-                    Math::over(sum(vec![numbers("G"), star("F")]), sum(vec![numbers("F"), star("F")])),
-                ]);
-                vec![Readout::Equation(vec![formula]), Readout::Tiles(vec![patch_tile(patch), filter_tile(model)])]
-            }
-            Event::Cut(response) => {
-                vec![Readout::Tiles([patch_tile(&response.patch)].into_iter().chain(filter()).collect())]
-            }
-            Event::Responded(response) | Event::Found(response) => {
-                let tiles = [patch_tile(&response.patch)].into_iter().chain(filter()).chain([response_tile(response)]);
-                vec![Readout::Tiles(tiles.collect()), Readout::Surface(surface(response))]
-            }
-            Event::Judged(response, _) => {
-                let [mean, deviation] = response.sidelobes;
-                let peak = response.values[response.peak];
-                let formula = Math::Row(vec![
-                    Math::text("PSR = "),
-                    Math::over(
-                        Math::text(format!("{} − {}", ratio(peak.into()), ratio(mean.into()))),
-                        Math::text(fixed(deviation.into(), 4)),
-                    ),
-                    Math::text(" = "),
-                    Math::ink(Role::Measured, psr(response.psr)),
-                ]);
-                vec![Readout::Equation(vec![formula]), Readout::Surface(surface(response))]
-            }
-            Event::Updated(_, model) => {
-                let formula = Math::Row(vec![
-                    Math::Var("A"),
-                    Math::text(" ← η "),
-                    Math::Var("G"),
-                    Math::power(Math::Var("F"), Math::text("*")),
-                    Math::text(" + (1 − η) "),
-                    Math::Var("A"),
-                ]);
-                let updated = Tile { label: "filter, updated", ..filter_tile(model) };
-                vec![Readout::Equation(vec![formula]), Readout::Tiles(filter().into_iter().chain([updated]).collect())]
-            }
-        }
+        self.explained(at).readouts.into_iter().filter(|readout| !matches!(readout, Readout::Facts(_))).collect()
+    }
+
+    fn loss(&self, at: &At<'_, Self>) -> Option<String> {
+        let told = self.tell_loss(at, Step::at(self.line(at.event))).sentence.plain();
+        told.strip_prefix(": ").map(str::to_owned)
+    }
+
+    fn caveat(&self, at: &At<'_, Self>) -> Option<String> {
+        Some(self.tell_caveat(at, Step::at(self.line(at.event))).sentence.plain()).filter(|told| !told.is_empty())
+    }
+
+    fn advice(&self, ending: Ending, at: &At<'_, Self>) -> String {
+        self.advise(ending, Step::at(self.line(at.event))).sentence.plain()
     }
 
     fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
@@ -163,104 +70,111 @@ impl Explained for CorrelationFilter {
         scene.mark(Picture::CURRENT, Role::Best, Shape::Points(vec![to]));
         scene.legend(Role::Best, "peak");
     }
-
-    fn loss(&self, at: &At<'_, Self>) -> Option<String> {
-        let Event::Judged(_, evidence) = at.event else { return None };
-        Some(match evidence {
-            None => "the peak does not stand out".into(),
-            Some(_) => "the region holds its surroundings and not the object of the first frame".into(),
-        })
-    }
-
-    fn caveat(&self, at: &At<'_, Self>) -> Option<String> {
-        let unlike = evidence(at).filter(|evidence| evidence.is_unlike())?;
-        Some(format!(
-            "The region has a ZNCC of {} with that of the first frame: the object has turned, changed or is covered, or the filter, which \
-             adapts, follows something else. The peak-to-sidelobe ratio cannot tell these apart.",
-            ratio(unlike.zncc?)
-        ))
-    }
-
-    fn advice(&self, ending: Ending, _at: &At<'_, Self>) -> String {
-        match ending.outcome {
-            Outcome::Followed => {
-                "The filter knows shape and texture, so colours of the background do not attract it; it has no scale, and a velocity is \
-                 not predicted."
-            }
-            Outcome::Regained => "The overlap was low for a while: by a fast motion, a change of appearance, or a change of size, as the region keeps its own. A template \
-                 tracker follows a change of size.",
-            Outcome::Grown | Outcome::Shrunk => {
-                "The region keeps the size of the first frame, and the object changed its own: this filter has no scale."
-            }
-            Outcome::Beside | Outcome::Unknown => {
-                "The peak lies beside the object: windows that were off by some pixels, or of another pose, were averaged into the filter. Where \
-                 blur or light changed the appearance, mean shift keeps to the colours."
-            }
-            Outcome::Lost if ending.hidden > 0 => {
-                return format!(
-                    "The object was hidden in {}. The filter searches around the last position, and a velocity is not predicted.",
-                    counted(ending.hidden, "frame")
-                );
-            }
-            Outcome::Lost => {
-                "Between two frames the object left the window of the filter, turned farther than the perturbations, was hidden for long, or \
-                 changed faster than the learning rate follows. A larger window reaches farther, and a larger rotation recognises more poses."
-            }
-        }
-        .into()
-    }
 }
 
 impl CorrelationFilter {
-    /// The perturbations as a part of a sentence.
-    fn perturbed_copies(&self) -> String {
-        if self.perturbations == 0 {
-            return " alone".to_owned();
+    fn explained(&self, at: &At<'_, Self>) -> Step {
+        let step = Step::at(self.line(at.event));
+        let filter = || at.model.map(filter_tile);
+        match at.event {
+            Event::Learned(patch, model) => {
+                let step =
+                    sized(step, patch).put(value::PERTURBATIONS, self.perturbations).put(value::SIGMA, self.sigma);
+                let step = step.put(value::ROTATION, self.rotation).put(value::SCALING, 100.0 * PERTURBED_SCALE);
+                let step = step.say(if self.perturbations > 0 { case::LEARNED_PERTURBED } else { case::LEARNED });
+                let step = step.say(case::MINIMISES);
+                let step = step.formula(r"H^{\text{*}} = \frac{\sum_i G_i F_i^{\text{*}}}{\sum_i F_i F_i^{\text{*}}}");
+                step.show(Readout::Tiles(vec![patch_tile(patch), filter_tile(model)]))
+            }
+            Event::Cut(response) => {
+                let tiles = [patch_tile(&response.patch)].into_iter().chain(filter());
+                sized(step, &response.patch).say(case::CUT).show(Readout::Tiles(tiles.collect()))
+            }
+            Event::Responded(response) => {
+                let step = sized(step, &response.patch).put(value::DISPLACEMENTS, response.values.cells().len());
+                charted(at, step.say(case::RESPONDED), response)
+            }
+            Event::Found(response) => charted(at, found(step, response).say(case::FOUND), response),
+            Event::Judged(response, evidence) => {
+                let step = self.judged(found(step, response), response, evidence.as_ref());
+                let step =
+                    step.formula(r"\text{PSR} = \frac{g_{\max} - \mu}{s} = \frac{{peak} - {mean}}{{spread}} = {psr}");
+                step.show(Readout::Surface(surface(response)))
+            }
+            Event::Updated(response, model) => {
+                let step =
+                    sized(step, &response.patch).put(value::LEARNING_RATE, self.learning_rate).say(case::UPDATED);
+                let step = step.formula(r"A \gets \eta \, G F^{\text{*}} + (1 - \eta) \, A");
+                let updated = Tile { label: "filter, updated", ..filter_tile(model) };
+                step.show(Readout::Tiles(filter().into_iter().chain([updated]).collect()))
+            }
         }
-        format!(
-            " and {} of it, turned by up to {}° and scaled by up to {} % at random, so that a turn between two frames does not lower the peak",
-            counted(self.perturbations, "perturbation"),
-            fixed(self.rotation.into(), 0),
-            fixed(100.0 * PERTURBED_SCALE, 0)
-        )
     }
 
-    fn judged(&self, response: &Response, evidence: Option<&Evidence>, said: Sentence) -> Sentence {
+    fn judged(&self, step: Step, response: &Response, evidence: Option<&Evidence>) -> Step {
         let [mean, deviation] = response.sidelobes;
-        let said = said.text("Peak-to-sidelobe ratio: ").ink(Role::Measured, psr(response.psr)).text(format!(
-            ", from sidelobes of mean {} and standard deviation {} outside 11×11 px around the peak",
-            ratio(mean.into()),
-            fixed(deviation.into(), 4)
-        ));
-        let least = psr(self.min_psr);
-        let Some(evidence) = evidence else {
-            return said.text(format!(
-                ", below {least}. The peak does not stand out, as under occlusion or a turn beyond the perturbations: the filter is \
-                 not updated."
-            ));
-        };
-        let said = said.text(format!(", not below {least}: the peak stands out"));
-        let [object, around] = evidence.coefficients.map(ratio);
-        let pattern = || match evidence.zncc {
-            Some(zncc) => format!("has a ZNCC of {} with that of the first frame", ratio(zncc)),
-            None => "is uniform, or was in the first frame".into(),
-        };
-        if self.is_gone(evidence) {
-            return said.text(format!(
-                ". But the region there {}, and its gray levels are those of its surroundings (Bhattacharyya coefficient {around}) rather than \
-                 those of the object ({object}). The filter answers to what is behind the object, so it is not updated.",
-                pattern()
-            ));
+        let step = step.put(value::MEAN, mean).put(value::SPREAD, deviation).put(value::MIN_PSR, self.min_psr);
+        let step = step.say(case::JUDGED);
+        let Some(evidence) = evidence else { return step.say(case::LOW_PSR) };
+        let [object, surroundings] = evidence.coefficients;
+        let step = put_zncc(step, evidence).put(value::SURROUNDINGS, surroundings);
+        let step = step.fact_as(value::OBJECT.is(object), case::COEFFICIENTS).say(case::HIGH_PSR);
+        let pattern = if evidence.zncc.is_some() { case::ZNCC } else { case::UNIFORM };
+        match (self.is_gone(evidence), evidence.is_unlike()) {
+            (true, _) => step.say(case::BUT).say(pattern).say(case::LIKE_SURROUNDINGS),
+            (false, true) => step.say(case::ALTHOUGH).say(pattern).say(case::NOT_GONE),
+            (false, false) => step.say(case::ACCEPTED),
         }
-        said.text(match evidence.is_unlike() {
-            true => format!(
-                ", and the match is accepted, although the region there {}: its gray levels (Bhattacharyya coefficient {object} with the object, \
-                 {around} with the surroundings) do not tell that the object is gone.",
-                pattern()
-            ),
-            false => ", and the match is accepted.".into(),
+    }
+
+    fn tell_loss(&self, at: &At<'_, Self>, step: Step) -> Step {
+        match at.event {
+            Event::Judged(_, evidence) => step.say(if evidence.is_some() { case::BACKGROUND } else { case::NO_PEAK }),
+            _ => step,
+        }
+    }
+
+    fn tell_caveat(&self, at: &At<'_, Self>, step: Step) -> Step {
+        match evidence(at).filter(|evidence| evidence.is_unlike()) {
+            Some(unlike) => put_zncc(step, unlike).say(case::UNLIKE),
+            None => step,
+        }
+    }
+
+    fn advise(&self, ending: Ending, step: Step) -> Step {
+        step.put(value::HIDDEN, ending.hidden).say(match ending.outcome {
+            Outcome::Followed => case::FOLLOWED,
+            Outcome::Regained => case::REGAINED,
+            Outcome::Grown | Outcome::Shrunk => case::RESIZED,
+            Outcome::Beside | Outcome::Unknown => case::BESIDE,
+            Outcome::Lost if ending.hidden > 0 => case::HIDDEN,
+            Outcome::Lost => case::LOST,
         })
     }
+}
+
+/// Adds the size of a window.
+fn sized(step: Step, window: &Grid<f32>) -> Step {
+    let (width, height) = window.size();
+    step.put(value::HEIGHT, height).fact_as(value::WIDTH.is(width), case::SIZE)
+}
+
+/// Adds the peak.
+fn found(step: Step, response: &Response) -> Step {
+    let step = step.fact(value::DISPLACEMENT, response.displacement);
+    step.fact(value::PEAK, response.values[response.peak]).fact(value::PSR, response.psr)
+}
+
+/// Adds the ZNCC with the first region, where neither is uniform.
+fn put_zncc(step: Step, evidence: &Evidence) -> Step {
+    step.fact(value::ZNCC, evidence.zncc.map_or("undefined, a region is uniform".into(), Number::from))
+}
+
+/// Shows the window, the filter and the response.
+fn charted(at: &At<'_, CorrelationFilter>, step: Step, response: &Response) -> Step {
+    let tiles = [patch_tile(&response.patch)].into_iter().chain(at.model.map(filter_tile));
+    let tiles = tiles.chain([tile("response g", Some(Role::Best), response.values.clone())]).collect();
+    step.show(Readout::Tiles(tiles)).show(Readout::Surface(surface(response)))
 }
 
 /// The comparison with the first region in a frame.
@@ -278,10 +192,6 @@ fn tile(label: &'static str, role: Option<Role>, values: Grid<f32>) -> Tile {
 
 fn patch_tile(patch: &Grid<f32>) -> Tile {
     tile("window f", Some(Role::Window), patch.clone())
-}
-
-fn response_tile(response: &Response) -> Tile {
-    tile("response g", Some(Role::Best), response.values.clone())
 }
 
 /// The filter as a picture: what the windows are correlated with.
