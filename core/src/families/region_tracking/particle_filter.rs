@@ -1,8 +1,10 @@
 //! The particle filter: hypotheses of position, velocity and scale, weighted by the likelihood of their colours.
 
+mod charts;
 mod cloud;
 mod explain;
 mod likelihood;
+mod vocabulary;
 mod wheel;
 
 use std::sync::Arc;
@@ -18,6 +20,7 @@ use crate::{choices, params, pseudocode};
 
 use cloud::{Draw, Estimate, Particle};
 use likelihood::{Likelihood, Pattern};
+use vocabulary::case;
 
 choices! {
     /// The drawing of particles in proportion to their weights.
@@ -193,8 +196,8 @@ impl RegionModel for ParticleFilter {
             "resampled",
             "Are the particles drawn anew?",
             &[
-                Reply::says(line::COUNT, "are drawn anew", "Yes: too few of them carry the weight"),
-                Reply::says(line::COUNT, "are kept", "No: the weights are even enough"),
+                Reply::told(line::COUNT, case::DEGENERATE, "Yes: too few of them carry the weight"),
+                Reply::told(line::COUNT, case::KEPT, "No: the weights are even enough"),
             ],
         ),
     ];
