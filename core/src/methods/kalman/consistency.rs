@@ -1,7 +1,8 @@
 //! The test of a filter's covariance by the mean NIS: Bar-Shalom, section 5.4.
 
 use super::chi_square;
-use crate::methods::numbers::squared;
+use super::vocabulary::{case, value};
+use crate::scene::{Name, Step};
 
 /// The mean NIS of measurements and its two-sided 95 % band.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,24 +29,20 @@ impl ConsistencyTest {
         self.mean > self.band[1]
     }
 
-    /// The outcome in words, and the remedy.
-    pub fn verdict(&self, is_biased: bool) -> String {
+    /// Tells the outcome and the remedy.
+    pub fn tell(&self, step: Step, is_biased: bool) -> Step {
         let Self { mean, band: [low, high], .. } = *self;
-        let (place, verdict) = match mean {
-            _ if self.is_above() => (
-                "above",
-                ". The covariance is too small (overconfident): raise the process noise Q or the measurement noise R.",
-            ),
-            mean if mean < low => (
-                "below",
-                ". The covariance is too large (underconfident): lower the process noise Q or the measurement noise R.",
-            ),
-            _ if is_biased => {
-                ("within", ": the innovations agree with S in size, so NIS alone does not show the bias.")
-            }
-            _ => ("within", ": the filter is consistent."),
-        };
-        let [mean, low, high] = [mean, low, high].map(squared);
-        format!(" Mean NIS {mean} is {place} the 95 % band {low}–{high}{verdict}")
+        let step = step.put(value::MEAN_NIS, mean).put(value::BAND_LOW, low).put(value::BAND_HIGH, high);
+        step.say(match mean {
+            _ if self.is_above() => case::NIS_ABOVE,
+            mean if mean < low => case::NIS_BELOW,
+            _ if is_biased => case::NIS_WITHIN,
+            _ => case::CONSISTENT,
+        })
+    }
+
+    /// The same in words.
+    pub fn verdict(&self, is_biased: bool) -> String {
+        format!(" {}", self.tell(Step::at(Name::new(b"verdict")), is_biased).sentence.plain())
     }
 }

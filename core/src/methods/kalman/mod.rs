@@ -10,6 +10,7 @@ mod hill;
 pub mod interacting;
 mod motion;
 pub mod unscented;
+pub mod vocabulary;
 
 pub use any::{
     AssociationNumbers, Filter, Measurement, Model, MotionModel, Noises, PredictionNumbers, Sigma, UpdateNumbers,
