@@ -341,8 +341,27 @@ fn the_numbers_of_a_prediction_with_acceleration_add_up() {
         let sum = values[0] + signs[0] * values[1] + signs[1] * 0.5 * common::numbers(half)[0];
         sums.push((sum, common::numbers(predicted)[0], common::numbers(half)[0]));
     });
-    assert!(sums.len() > 8 && sums.iter().any(|(_, _, half)| *half > 0.1), "{sums:?}");
+    assert!(sums.len() > 8 && sums.iter().any(|(_, _, half)| half.abs() > 0.1), "{sums:?}");
     assert!(sums.iter().all(|(sum, predicted, _)| (sum - predicted).abs() < 0.0051), "{sums:?}");
+}
+
+#[test]
+fn the_numbers_of_a_gate_give_its_squared_distance() {
+    let mut gates = 0;
+    for motion in ["velocity", "acceleration", "turn", "imm"] {
+        steps(&*set("kalman-filter", &[("motion", motion), ("source", "truth")]), &scene("crossing-stars"), |walk| {
+            let formulas = walk.step(None).formulas().iter().map(|line| line.plain()).collect::<Vec<_>>();
+            assert!(formulas.iter().all(|line| !line.contains(['\\', '{'])), "{formulas:?}");
+            let Some(line) = formulas.iter().find(|line| line.starts_with("d^2 = ν^T")) else { return };
+            let [.., terms, distance] = line.split(" = ").collect::<Vec<_>>()[..] else { panic!("{line}") };
+            let numbers = common::numbers(terms);
+            let [x, y, xx, xy, yx, yy, _, ..] = numbers[..] else { panic!("{line}") };
+            let squared = (yy * x * x - (xy + yx) * x * y + xx * y * y) / (xx * yy - xy * yx);
+            assert!((squared - common::numbers(distance)[0]).abs() < 0.0051, "{squared}: {line}");
+            gates += 1;
+        });
+    }
+    assert!(gates > 60, "{gates}");
 }
 
 #[test]

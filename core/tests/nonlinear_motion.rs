@@ -516,6 +516,45 @@ fn sigma_points_are_drawn_and_moved() {
     assert!(told.contains("11 sigma points") && told.contains("moved the predicted mean by up to"), "{told}");
 }
 
+/// The symbols of the matrices and the formulas of the steps at a line.
+fn shown(motion: &str, line: &str) -> Vec<(Vec<&'static str>, String)> {
+    let mut all = Vec::new();
+    steps(motion, |walk| {
+        let step = walk.step(None);
+        let formulas: Vec<String> = step.formulas().iter().map(|line| line.plain()).collect();
+        assert!(formulas.iter().all(|line| !line.contains(['\\', '{'])), "{formulas:?}");
+        let matrices = readouts(walk, |readout| if let Readout::Matrices(all) = readout { Some(all) } else { None });
+        if step.line.as_str() == line {
+            all.push((matrices.concat().iter().map(|matrix| matrix.symbol).collect(), formulas.join("\n")));
+        }
+    });
+    assert!(all.len() >= FRAMES - 2, "{line}: {}", all.len());
+    all
+}
+
+#[test]
+fn sigma_points_are_those_of_the_estimate_and_have_a_regression_instead_of_a_jacobian() {
+    for (symbols, formulas) in shown("unscented-turn", "draw") {
+        assert_eq!(symbols, ["x", "P"], "no prediction yet");
+        assert!(formulas.contains("w_0 = 1 − (n)/(c^2) = 1 − (5)/(3) = −0.667"), "{formulas}");
+        assert!(formulas.contains("w_0^(c) = w_0 + β = −0.667 + 2 = 1.333"), "{formulas}");
+    }
+    for (symbols, formulas) in shown("unscented-turn", "predict") {
+        assert_eq!(symbols, ["x⁻", "P⁻", "A", "Q"]);
+        assert!(formulas.contains("A = Σ_i") && !formulas.contains('F'), "{formulas}");
+    }
+}
+
+#[test]
+fn modes_are_combined_after_their_probabilities() {
+    for (symbols, _) in shown("imm", "update") {
+        assert_eq!(symbols, ["x₁", "P₁", "K₁", "x₂", "P₂", "K₂"]);
+    }
+    for (symbols, _) in shown("imm", "weigh-modes") {
+        assert!(["x", "P", "μ"].iter().all(|symbol| symbols.contains(symbol)), "{symbols:?}");
+    }
+}
+
 #[test]
 fn runs_of_modes_and_of_sigma_points_follow_the_object() {
     let path = path();

@@ -101,6 +101,14 @@ impl Math {
         }
     }
 
+    /// The name of a symbol with a minus sign as exponent, as of a predicted covariance: `P⁻`.
+    pub fn prediction(&self) -> Option<String> {
+        match self {
+            Math::Sup(base, sign) if sign.plain() == "−" => Some(base.plain() + "⁻"),
+            _ => None,
+        }
+    }
+
     /// The formula on one line, for a screen reader or the clipboard.
     pub fn plain(&self) -> String {
         match self {

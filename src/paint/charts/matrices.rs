@@ -87,6 +87,9 @@ fn by_weight(matrices: &[Matrix], formula: &[Math]) -> Vec<usize> {
 
 /// The symbols of a formula as they are read; a word in it is one of its own, whatever letters it has.
 fn symbols(math: &Math) -> Vec<String> {
+    if let Some(name) = math.prediction() {
+        return words(&name);
+    }
     match math {
         Math::Text(text, _) => words(text),
         Math::Value(value, style) => words(&style.text(value)),

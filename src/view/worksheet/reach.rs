@@ -60,6 +60,9 @@ pub fn has_sum(math: &Math) -> bool {
 
 /// The vectors, matrices and symbols with an index in a formula, in plain letters.
 fn symbols_of(math: &Math, symbols: &mut Vec<String>) {
+    if let Some(name) = math.prediction() {
+        return symbols.push(name);
+    }
     match math {
         Math::Bold(name) => symbols.push((*name).to_owned()),
         Math::Sub(..) => symbols.push(math.plain()),

@@ -473,10 +473,7 @@ impl Estimator for KalmanFilter {
         Question::choice(
             "gate",
             "Is the measurement inside the gate?",
-            &[
-                Reply::says(line::GATE, "rejected", "No: rejected"),
-                Reply::says(line::GATE, "accepted", "Yes: accepted"),
-            ],
+            &[Reply::told(line::GATE, explain::case::REJECTED, "No: rejected"), Reply::at(line::GATE, "Yes: accepted")],
         ),
         Question::place("updated", "Where is the estimate after the update?", line::UPDATE, Role::Estimate),
     ];

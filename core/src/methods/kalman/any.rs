@@ -1,10 +1,11 @@
 //! The Kalman filter with a motion model chosen at run time, and the matrices of its steps.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{Cholesky, SMatrix, SVector};
 
 use super::interacting::{Interacting, Mixing, Modes, ModesUpdate};
-use super::unscented::SigmaPoints;
+use super::unscented::{SigmaPoints, Weights};
 use super::{Acceleration, Estimate, Motion, Nonlinear, Sensor, Turn, Velocity, smoothed};
+use crate::base::words::rounded;
 use crate::choices;
 use crate::geometry::Grid;
 use crate::methods::numbers::LENGTH_DECIMALS;
@@ -125,6 +126,22 @@ pub struct UpdateNumbers {
     pub gain: Grid<f64>,
 }
 
+impl UpdateNumbers {
+    /// Returns d² computed from ν and S as they are written with this many decimals; `None` if S is not positive definite then.
+    pub fn squared_distance_to(&self, decimals: usize) -> Option<f64> {
+        match self.residual.len() {
+            2 => self.distance_to::<2>(decimals),
+            _ => self.distance_to::<4>(decimals),
+        }
+    }
+
+    fn distance_to<const M: usize>(&self, decimals: usize) -> Option<f64> {
+        let residual = SVector::<f64, M>::from_fn(|i, _| rounded(self.residual[i], decimals));
+        let covariance = SMatrix::<f64, M, M>::from_fn(|y, x| rounded(self.covariance[(x, y)], decimals));
+        Some(Cholesky::new(covariance)?.solve(&residual).dot(&residual))
+    }
+}
+
 /// The sigma points of a prediction as positions in px: drawn and moved, the mean first, then the pairs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sigma {
@@ -134,6 +151,8 @@ pub struct Sigma {
     pub moved: Vec<[f64; 2]>,
     /// Their mean.
     pub mean: [f64; 2],
+    /// Their weights.
+    pub weights: Weights,
 }
 
 /// The initial probability of each mode.
@@ -377,7 +396,7 @@ impl Filter {
             std::iter::once(&of.center).chain(of.pairs.iter().flatten()).map(|point| [point[0], point[1]]).collect()
         };
         let mean = moved.moments().state;
-        Some(Sigma { drawn: places(&drawn), moved: places(&moved), mean: [mean[0], mean[1]] })
+        Some(Sigma { drawn: places(&drawn), moved: places(&moved), mean: [mean[0], mean[1]], weights: Weights::of(5) })
     }
 
     /// Updates the estimate with a measurement and returns its squared Mahalanobis distance too; `None` where the innovation

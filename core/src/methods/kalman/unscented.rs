@@ -12,7 +12,7 @@ use super::{Estimate, Motion, Prediction};
 /// have the kurtosis of a normal distribution along each column.
 pub const SQUARED_DISTANCE: f64 = 3.0;
 /// The prior knowledge β of the distribution; 2 is the best for normal ones. With it no weight of the covariance is negative.
-const BETA: f64 = 2.0;
+pub const BETA: f64 = 2.0;
 
 /// The weights of sigma points.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -11,7 +11,8 @@ const MEASURED: [&str; 4] = ["x", "y", "u", "v"];
 /// The rounding tolerance of entries, as a share of the largest one of the matrix.
 const ROUNDING: f64 = 1e-12;
 
-fn column(values: &[f64]) -> Grid<f64> {
+/// A column vector.
+pub(super) fn column(values: &[f64]) -> Grid<f64> {
     Grid::from_fn(1, values.len(), |_, y| values[y])
 }
 
@@ -40,12 +41,21 @@ fn changes(now: &Grid<f64>, before: &Grid<f64>) -> Grid<bool> {
 
 /// The state and its covariance.
 fn estimate_matrices(filter: &Filter, before: Option<&Filter>, role: Role) -> [Matrix; 2] {
-    let rows = owned(filter.names());
-    let [x, p] = if role == Role::Predicted {
+    let names = if role == Role::Predicted {
         [("x⁻", "predicted state"), ("P⁻", "predicted covariance")]
     } else {
         [("x", "state"), ("P", "state covariance")]
     };
+    named_matrices(filter, before, (role, names))
+}
+
+/// The state and its covariance under these names.
+fn named_matrices(
+    filter: &Filter,
+    before: Option<&Filter>,
+    (role, [x, p]): (Role, [(&'static str, &'static str); 2]),
+) -> [Matrix; 2] {
+    let rows = owned(filter.names());
     let state = matrix(x.0, x.1, Some(role), column(&filter.state())).with_decimals(filter.decimals());
     let state = Matrix { rows: rows.clone(), ..state };
     let covariance = matrix(p.0, p.1, Some(role), filter.covariance());
@@ -66,8 +76,7 @@ fn of_update(numbers: &UpdateNumbers, before: Option<&UpdateNumbers>, names: &[&
         ..matrix(symbol, meaning, None, entries.clone())
     };
     let innovation = matrix("ν", "innovation", Some(Role::Best), column(residual)).with_decimals(LENGTH_DECIMALS);
-    let gain =
-        Matrix { rows: owned(names), columns: measured.clone(), ..matrix("K", "Kalman gain", None, gain.clone()) };
+    let gain = named_gain(("K", "Kalman gain"), gain, names);
     let observation = Matrix {
         rows: measured.clone(),
         columns: owned(names),
@@ -82,7 +91,29 @@ fn of_update(numbers: &UpdateNumbers, before: Option<&UpdateNumbers>, names: &[&
     ]
 }
 
-/// F and Q of a prediction, lit where they differ from those of the prediction before.
+/// A Kalman gain under its name.
+fn named_gain((symbol, name): (&'static str, &'static str), gain: &Grid<f64>, names: &[&'static str]) -> Matrix {
+    let columns = owned(&MEASURED[..gain.width()]);
+    Matrix { rows: owned(names), columns, ..matrix(symbol, name, None, gain.clone()) }
+}
+
+/// State, covariance and gain of each mode after its update.
+fn of_modes(gated: &Gated, after: &[Filter; 2]) -> Vec<Matrix> {
+    const NAMES: [[(&str, &str); 3]; 2] = [
+        [("x₁", "state of constant velocity"), ("P₁", "its covariance"), ("K₁", "its Kalman gain")],
+        [("x₂", "state of the coordinated turn"), ("P₂", "its covariance"), ("K₂", "its Kalman gain")],
+    ];
+    let before = gated.expected.modes();
+    let of_mode = |i: usize| {
+        let ([x, p, k], before) = (NAMES[i], before.as_ref().map(|modes| &modes[i]));
+        let numbers = before.and_then(|before| before.update_numbers(gated.measurement()));
+        let gain = numbers.map(|numbers| named_gain(k, &numbers.gain, after[i].names()));
+        named_matrices(&after[i], before, (modes::ROLES[i], [x, p])).into_iter().chain(gain)
+    };
+    (0..2).flat_map(of_mode).collect()
+}
+
+/// F and Q of a prediction, lit where they differ from those of the prediction before; sigma points have a regression A instead of F.
 fn of_prediction(from: &Filter, before: Option<&Filter>) -> [Matrix; 2] {
     let (now, before) = (from.prediction_numbers(), before.map(Filter::prediction_numbers));
     let names = owned(from.names());
@@ -97,7 +128,11 @@ fn of_prediction(from: &Filter, before: Option<&Filter>) -> [Matrix; 2] {
         Filter::Acceleration(..) => Some(1),
         Filter::Turn(..) | Filter::Interacting(..) => None,
     };
-    let transition = Matrix { decimals, ..square("F", "transition matrix", now.transition) };
+    let (symbol, meaning) = match from.sigma() {
+        Some(_) => ("A", "linear regression of f(x) on x"),
+        None => ("F", "transition matrix"),
+    };
+    let transition = Matrix { decimals, ..square(symbol, meaning, now.transition) };
     [
         lit(transition, before.as_ref().map(|before| &before.transition)),
         lit(square("Q", "process noise covariance", now.noise), before.as_ref().map(|before| &before.noise)),
@@ -138,6 +173,9 @@ pub(super) fn matrices<'a>(
         }
         Some(Event::Updated(update) | Event::Weighed(update)) => {
             let (gated, after) = &**update;
+            if let (Some(Event::Updated(_)), Some(modes)) = (event, after.modes()) {
+                return of_modes(gated, &modes);
+            }
             let mut all = with_update(estimate_matrices(after, Some(&gated.expected), Role::Estimate), gated, None);
             all.extend(modes::probabilities(after, Some(&gated.expected)));
             all

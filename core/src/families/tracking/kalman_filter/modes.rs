@@ -1,16 +1,15 @@
-//! The steps of sigma points and of interacting modes in words, formulas, matrices and marks.
+//! The steps of sigma points and of interacting modes: cases, formulas, matrices and marks.
 
+use super::explain::{case, digits, finer, value};
 use super::{FrameRecord, Gated};
-use crate::base::words::{counted, fixed, place};
+use crate::base::words::rounded;
 use crate::geometry::Grid;
-use crate::methods::kalman::{Filter, Sigma, ellipse};
-use crate::methods::numbers::{RATIO_DECIMALS, px, ratio};
-use crate::scene::{Arrow, Fact, Math, Matrix, Picture, Role, Scene, Sentence, Shape};
+use crate::methods::kalman::{Filter, Sigma, ellipse, unscented};
+use crate::methods::numbers::{LENGTH_DECIMALS, RATIO_DECIMALS, SQUARED_DECIMALS};
+use crate::scene::{Arrow, Matrix, Picture, Role, Scene, Shape, Step};
 
-/// The modes in sentences, in the order of their filters.
-const NAMES: [&str; 2] = ["constant velocity", "the coordinated turn"];
-/// Their roles in plots and on the picture.
-const ROLES: [Role; 2] = [Role::Reference, Role::Candidate];
+/// The roles of the modes in plots and on the picture.
+pub(super) const ROLES: [Role; 2] = [Role::Reference, Role::Candidate];
 /// The probability inside the drawn ellipse of a mode.
 const CONFIDENCE: f64 = 0.95;
 
@@ -18,275 +17,142 @@ fn point(place: [f64; 2]) -> [f32; 2] {
     place.map(|c| c as f32)
 }
 
-fn text(text: impl Into<String>) -> Math {
-    Math::text(text)
+fn apart(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
 /// The distance of the mean of the moved sigma points from the moved mean, in px.
 fn curvature(sigma: &Sigma) -> f64 {
-    let center = sigma.moved.first().copied().unwrap_or(sigma.mean);
-    (center[0] - sigma.mean[0]).hypot(center[1] - sigma.mean[1])
+    apart(sigma.moved.first().copied().unwrap_or(sigma.mean), sigma.mean)
 }
 
-/// The mixing of the modes.
-pub(super) fn mixed(before: &Filter) -> Sentence {
-    let said = Sentence::default();
-    let (Some(mixing), Some(transitions)) = (before.mixing(), before.transitions()) else { return said };
-    let [[kept, to_turn], [to_velocity, kept_turn]] = mixing.weights.map(|row| row.map(ratio));
-    let [velocity, turn] = mixing.modes.probabilities.map(ratio);
-    said.text("Mixing: ")
-        .ink(ROLES[0], NAMES[0])
-        .text(format!(" begins the frame with {kept} of its own estimate and {to_velocity} of that of the turn, "))
-        .ink(ROLES[1], NAMES[1])
-        .text(format!(" with {kept_turn} of its own and {to_turn} of the other. "))
-        .text(format!(
-            "A switch has a probability of {}, so the predicted mode probabilities are {velocity} and {turn}. Without mixing, the mode that \
-             did not fit would keep the errors of its past.",
-            ratio(transitions[0][1])
-        ))
+/// Tells the mixing of the modes.
+pub(super) fn mixed(step: Step, before: &Filter) -> Step {
+    let (Some(mixing), Some(transitions)) = (before.mixing(), before.transitions()) else { return step };
+    let [[kept, to_turn], [to_velocity, kept_turn]] = mixing.weights;
+    let step = step.put(value::VELOCITY_KEPT, kept).put(value::VELOCITY_MIXED, to_velocity);
+    let step = step.put(value::TURN_KEPT, kept_turn).put(value::TURN_MIXED, to_turn);
+    let step = predicted_probabilities(step.put(value::SWITCH, transitions[0][1]), mixing.modes.probabilities);
+    step.say(case::MIXED)
+        .formula(r"\mu_{i \text{|} j} = \frac{p_{ij} \mu_i}{\sum_i p_{ij} \mu_i}")
+        .formula(r"\mu_{1 \text{|} 2} = \frac{{switch} \cdot {velocity_probability}}{{predicted_turn}} = {turn_mixed}")
 }
 
-/// The sigma points that are drawn.
-pub(super) fn drawn(before: &Filter) -> Sentence {
-    let said = Sentence::default();
-    let Some(sigma) = before.sigma() else {
-        return said
-            .text("P is not positive definite, so sigma points cannot be drawn: the Jacobian predicts this frame.");
-    };
-    let far =
-        sigma.drawn.iter().map(|at| (at[0] - sigma.drawn[0][0]).hypot(at[1] - sigma.drawn[0][1])).fold(0.0, f64::max);
-    said.ink(Role::Candidate, format!("{} sigma points", sigma.drawn.len())).text(format!(
-        " have the mean x and the covariance P: x itself, and a pair about it for each column of the Cholesky factor of P, in position up \
-         to {} px away. Each will be moved by the turn itself, so no derivative is needed.",
-        px(far)
-    ))
+fn predicted_probabilities(step: Step, [velocity, turn]: [f64; 2]) -> Step {
+    step.put(value::PREDICTED_VELOCITY, velocity).put(value::PREDICTED_TURN, turn)
 }
 
-/// What the prediction by sigma points has that one by the Jacobian has not.
-pub(super) fn bent(before: &Filter) -> String {
-    before.sigma().map_or_else(String::new, |sigma| {
-        format!(
-            " The mean of the moved sigma points lies {} px from f(x): the curvature of the turn, which a Jacobian omits.",
-            px(curvature(&sigma))
+/// Tells the sigma points that are drawn, and their weights.
+pub(super) fn drawn(step: Step, before: &Filter) -> Step {
+    let Some(sigma) = before.sigma() else { return step.say(case::NOT_DEFINITE) };
+    let reach = sigma.drawn.iter().map(|at| apart(*at, sigma.drawn[0])).fold(0.0, f64::max);
+    let step = step.put(value::SIGMA_POINTS, sigma.drawn.len()).put(value::REACH, reach);
+    let step = weights(step, &sigma).say(case::SIGMA_POINTS);
+    let points =
+        r"\chi_0 = \mathbf{x},\; \chi_i = \mathbf{x} \pm c \, \mathbf{L}_i,\; \mathbf{P} = \mathbf{L} \mathbf{L}^\top";
+    let step = step
+        .formula(points)
+        .formula(r"w_0 = 1 - \frac{n}{c^2} = 1 - \frac{{state_dimension}}{{squared_scale}} = {center_weight}");
+    step.formula(r"w_0^{(c)} = w_0 + \beta = {center_weight} + {beta} = {center_spread}")
+        .formula(r"w_i = w_i^{(c)} = \frac{1}{2 c^2} = {pair_weight}")
+}
+
+/// Adds the weights of sigma points.
+fn weights(step: Step, sigma: &Sigma) -> Step {
+    let unscented::Weights { center, center_spread, pair } = sigma.weights;
+    let step = step.put(value::STATE_DIMENSION, sigma.drawn.len() / 2);
+    let step = step.put(value::SQUARED_SCALE, unscented::SQUARED_DISTANCE).fact(value::BETA, unscented::BETA);
+    let step = step.fact(value::CENTER_WEIGHT, center).fact(value::CENTER_SPREAD, center_spread);
+    step.fact(value::PAIR_WEIGHT, pair)
+}
+
+/// Tells the prediction by sigma points, and its difference from one by the Jacobian.
+pub(super) fn moved(step: Step, sigma: &Sigma) -> Step {
+    let step = weights(step.put(value::CURVATURE, curvature(sigma)), sigma).say(case::BENT);
+    step.formula(r"\mathbf{x}^- = \sum_i w_i f(\chi_i),\; w_0 = {center_weight},\; w_i = {pair_weight}")
+        .formula(
+            r"\mathbf{P}^- = \sum_i w_i^{(c)} (f(\chi_i) - \mathbf{x}^-)(f(\chi_i) - \mathbf{x}^-)^\top + \mathbf{Q},\; w_0^{(c)} = w_0 + \beta = {center_spread}",
         )
-    })
+        .formula(r"\mathbf{A} = \sum_i w_i (f(\chi_i) - \mathbf{x}^-)(\chi_i - \mathbf{x})^\top \mathbf{P}^{-1}")
 }
 
-/// The update of each mode.
-pub(super) fn updated(gated: &Gated, after: &Filter) -> Option<Sentence> {
-    let (before, after) = (gated.expected.modes()?, after.modes()?);
-    let said = Sentence::default().text("Each mode is updated by its own gain: ");
-    let gain = |mode: &Filter| mode.update_numbers(gated.measurement()).map_or(0.0, |numbers| numbers.gain[(0, 0)]);
-    let part = |said: Sentence, i: usize| {
-        said.ink(ROLES[i], NAMES[i]).text(format!(
-            " with {} along x to {} px",
-            ratio(gain(&before[i])),
-            place(point(after[i].place()))
-        ))
-    };
-    let said = part(part(said, 0).text(", "), 1);
-    Some(said.text(". The gain is larger where the model is less certain of its prediction."))
+/// Tells the update of each mode.
+pub(super) fn updated(step: Step, gated: &Gated, after: &[Filter; 2]) -> Step {
+    let Some(before) = gated.expected.modes() else { return step };
+    let of = [(value::VELOCITY_GAIN, value::VELOCITY_POSITION), (value::TURN_GAIN, value::TURN_POSITION)];
+    let step = of.into_iter().zip(before.iter().zip(after)).fold(step, |step, ((gain, position), (before, after))| {
+        let step = step.fact(position, after.place());
+        match before.update_numbers(gated.measurement()) {
+            Some(numbers) => step.put(gain, numbers.gain[(0, 0)]),
+            None => step,
+        }
+    });
+    step.say(case::MODES_UPDATED)
 }
 
-/// The probabilities of the modes after a measurement.
-pub(super) fn weighed(gated: &Gated, after: &Filter) -> Sentence {
-    let said = Sentence::default();
+/// Tells the probabilities of the modes after a measurement.
+pub(super) fn weighed(step: Step, gated: &Gated, after: &Filter) -> Step {
     let logs = gated.expected.log_likelihoods(gated.measurement());
     let (Some(logs), Some(before), Some(now)) = (logs, gated.expected.probabilities(), after.probabilities()) else {
-        return said;
+        return step;
     };
-    let said = said
-        .text(format!("Log-likelihood of the measurement: {} for ", fixed(logs[0], 2)))
-        .ink(ROLES[0], NAMES[0])
-        .text(format!(" and {} for ", fixed(logs[1], 2)))
-        .ink(ROLES[1], NAMES[1]);
-    compared(said, logs, [before, now])
-        .text(". The estimate is the mean of both modes with these weights, ")
-        .ink(Role::Estimate, format!("{} px", place(point(after.place()))))
-        .text(".")
+    let step = compared(predicted_probabilities(step, before), logs, [before, now]).say(case::WEIGHED);
+    step.put(value::LIKELIHOOD_RATIO, logs[1] - logs[0])
+        .formula(r"\mu_j \gets \frac{\mu_j \Lambda_j}{\sum_j \mu_j \Lambda_j},\; \Lambda_j = N(\nu_j; 0, \mathbf{S}_j)")
+        .formula(
+            r"\mu_2 = {predicted_turn} \text{ before; } \ln \Lambda_2 - \ln \Lambda_1 = {likelihood_ratio};\; \mu_2 = {turn_probability}",
+        )
 }
 
-/// What the log-likelihoods do to the probabilities of the modes, before and after them, to the decimals that are shown.
-fn compared(said: Sentence, logs: [f64; 2], [before, now]: [[f64; 2]; 2]) -> Sentence {
+/// Tells the change of the probabilities of the modes, before and after the log-likelihoods, to the decimals that are shown.
+fn compared(step: Step, logs: [f64; 2], [before, now]: [[f64; 2]; 2]) -> Step {
     let better = usize::from(logs[1] > logs[0]);
-    let [was, is] = [before[better], now[better]].map(ratio);
-    if fixed(logs[0], 2) == fixed(logs[1], 2) && was == is {
-        return said.text(format!(
-            ". It is equally likely under both, so the mode probabilities stay at {} and {}",
-            ratio(now[0]),
-            ratio(now[1])
-        ));
+    let step = step.put(value::VELOCITY_LIKELIHOOD, logs[0]).put(value::TURN_LIKELIHOOD, logs[1]);
+    let step = step.put(value::BETTER_BEFORE, before[better]);
+    let step = step.put_value(value::BETTER.is(now[better]).inked(ROLES[better])).say(case::LIKELIHOODS);
+    let is_same = |a: f64, b: f64, decimals| rounded(a, decimals) == rounded(b, decimals);
+    let stays = is_same(before[better], now[better], RATIO_DECIMALS);
+    if stays && is_same(logs[0], logs[1], SQUARED_DECIMALS) {
+        return step.say(case::EQUALLY_LIKELY);
     }
-    let said = said.text(format!(". It is more likely under {}, so that probability ", NAMES[better]));
-    match was == is {
-        true => said.text("stays at ").ink(ROLES[better], is),
-        false => said.text("rises: ").ink(ROLES[better], format!("{was} → {is}")),
-    }
+    let step = step.say(if better == 0 { case::VELOCITY_LIKELIER } else { case::TURN_LIKELIER });
+    step.say(if stays { case::STAYS } else { case::RISES })
 }
 
-/// The predicted x as the mean of the predictions of both modes.
-pub(super) fn prediction_formula(after: &Filter) -> Option<Vec<Math>> {
-    let (modes, probabilities) = (after.modes()?, after.probabilities()?);
-    let hat = |index: &'static str| Math::indexed(Math::Bold("x"), text(index));
-    let general = Math::Row(vec![
-        hat("j"),
-        text(" ← "),
-        Math::indexed(Math::Var("f"), Math::Var("j")),
-        text("("),
-        hat("0j"),
-        text("),  "),
-        Math::Bold("x"),
-        text(" = "),
-        Math::Sum(Box::new(Math::Var("j"))),
-        of("μ", "j"),
-        text(" "),
-        hat("j"),
-    ]);
-    let part = |i: usize| Math::ink(ROLES[i], format!("{} · {}", fixed(probabilities[i], 3), px(modes[i].place()[0])));
-    let numbers = Math::Row(vec![
-        text("predicted "),
-        Math::Var("x"),
-        text(" = "),
-        part(0),
-        text(" + "),
-        part(1),
-        text(" = "),
-        Math::ink(Role::Predicted, px(after.place()[0])),
-    ]);
-    Some(vec![general, numbers])
+/// Adds the predicted x as the mean of the predictions of both modes.
+pub(super) fn predicted(step: Step, after: &Filter) -> Step {
+    let (Some(modes), Some(weights)) = (after.modes(), after.probabilities()) else { return step };
+    let all = [0, 1].map(|i| modes[i].place()[0]);
+    let share = |i: usize, decimals: usize| rounded(weights[i], decimals + RATIO_DECIMALS - LENGTH_DECIMALS);
+    let term = |i, decimals| share(i, decimals) * rounded(all[i], decimals);
+    let further = digits(after.place()[0], |decimals| term(0, decimals) + term(1, decimals));
+    let step = step.put_value(finer(value::VELOCITY_X, all[0], further));
+    let step = step.put_value(finer(value::TURN_X, all[1], further));
+    let step = step.put_value(finer(value::VELOCITY_PROBABILITY, weights[0], further));
+    let step = step.put_value(finer(value::TURN_PROBABILITY, weights[1], further));
+    step.formula(r"\mathbf{x}_j^- = f_j(\mathbf{x}_{0j}),\; \mathbf{x}^- = \sum_j \mu_j \mathbf{x}_j^-")
+        .formula(r"x^- = {velocity_probability} \cdot {velocity_x} + {turn_probability} \cdot {turn_x} = {x}")
 }
 
-/// The probabilities of the modes of a filter.
-pub(super) fn facts(filter: &Filter) -> Option<Fact> {
-    let [velocity, turn] = filter.probabilities()?.map(ratio);
-    Some(Fact::new("Mode probabilities", format!("velocity {velocity}, turn {turn}"), None))
+/// Adds the probabilities of the modes of a filter.
+pub(super) fn probable(step: Step, filter: &Filter) -> Step {
+    let Some([velocity, turn]) = filter.probabilities() else { return step };
+    step.fact(value::VELOCITY_PROBABILITY, velocity).fact(value::TURN_PROBABILITY, turn)
 }
 
-/// At the end of a run: which mode was active, or what the sigma points were good for.
-pub(super) fn concluded<'a>(records: impl Iterator<Item = &'a FrameRecord>, noise_px: f64) -> String {
+/// Tells which mode was active, or how much the sigma points changed, at the end of a run.
+pub(super) fn concluded<'a>(step: Step, records: impl Iterator<Item = &'a FrameRecord>, noise_px: f64) -> Step {
     let filters: Vec<Filter> = records.filter_map(|record| record.filtered).collect();
-    let turning = filters.iter().filter_map(Filter::probabilities).filter(|[velocity, turn]| turn > velocity).count();
-    if filters.iter().any(|filter| filter.probabilities().is_some()) {
-        return format!(
-            " The coordinated turn was the more probable mode in {turning} of {}. Whether two modes were worth it, the RMS error of one \
-             motion model alone shows.",
-            counted(filters.len(), "frame")
-        );
+    let probabilities: Vec<[f64; 2]> = filters.iter().filter_map(Filter::probabilities).collect();
+    if !probabilities.is_empty() {
+        let turning = probabilities.iter().filter(|[velocity, turn]| turn > velocity).count();
+        return step.put(value::TURNING, turning).put(value::FRAMES, filters.len()).say(case::TURNS);
     }
-    let bends: Vec<f64> = filters.iter().filter_map(Filter::sigma).map(|sigma| curvature(&sigma)).collect();
-    let Some(most) = bends.iter().copied().reduce(f64::max) else { return String::new() };
-    let said = format!(" The sigma points moved the predicted mean by up to {} px, ", px(most));
-    said + match most < 0.1 * noise_px {
-        true => "little beside the measurement noise: an extended filter does as well here.",
-        false => "which is not little beside the measurement noise: an extended filter is biased by it.",
-    }
-}
-
-/// x(j), μ(i|j) and so on.
-fn of(name: &'static str, index: &'static str) -> Math {
-    Math::indexed(Math::Var(name), text(index))
-}
-
-/// The formula of the mixing, with the numbers of the turn.
-pub(super) fn mixing_formula(before: &Filter) -> Option<Vec<Math>> {
-    let (mixing, transitions, [velocity, _]) = (before.mixing()?, before.transitions()?, before.probabilities()?);
-    let general = Math::Row(vec![
-        of("μ", "i|j"),
-        text(" = "),
-        Math::over(
-            Math::Row(vec![of("p", "ij"), text(" "), of("μ", "i")]),
-            Math::Row(vec![Math::Sum(Box::new(Math::Var("i"))), of("p", "ij"), text(" "), of("μ", "i")]),
-        ),
-    ]);
-    let numbers = Math::Row(vec![
-        of("μ", "1|2"),
-        text(" = "),
-        Math::over(
-            text(format!("{} · {}", ratio(transitions[0][1]), ratio(velocity))),
-            text(ratio(mixing.modes.probabilities[1])),
-        ),
-        text(" = "),
-        Math::ink(ROLES[1], ratio(mixing.weights[0][1])),
-    ]);
-    Some(vec![general, numbers])
-}
-
-/// The formula of the sigma points.
-pub(super) fn points_formula() -> Vec<Math> {
-    let column = || Math::Row(vec![text("c "), Math::indexed(Math::Bold("L"), Math::Var("i"))]);
-    vec![Math::Row(vec![
-        Math::Var("χ"),
-        text(" = "),
-        Math::Bold("x"),
-        text(",  "),
-        Math::Bold("x"),
-        text(" ± "),
-        column(),
-        text(",  "),
-        Math::Bold("P"),
-        text(" = "),
-        Math::Bold("L"),
-        Math::power(Math::Bold("L"), text("T")),
-    ])]
-}
-
-/// The prediction by sigma points.
-pub(super) fn moments_formula() -> Math {
-    let moved = || Math::Row(vec![Math::Var("f"), text("("), Math::indexed(Math::Var("χ"), Math::Var("i")), text(")")]);
-    let sum = || Math::Sum(Box::new(Math::Var("i")));
-    let weight = || Math::indexed(Math::Var("w"), Math::Var("i"));
-    let off = || Math::Row(vec![text("("), moved(), text(" − "), Math::Bold("x"), text(")")]);
-    Math::Row(vec![
-        Math::Bold("x"),
-        text(" ← "),
-        sum(),
-        weight(),
-        text(" "),
-        moved(),
-        text(",  "),
-        Math::Bold("P"),
-        text(" ← "),
-        sum(),
-        weight(),
-        text(" "),
-        off(),
-        Math::power(off(), text("T")),
-        text(" + "),
-        Math::Bold("Q"),
-    ])
-}
-
-/// The update of the probabilities, with the numbers of the turn.
-pub(super) fn weights_formula(gated: &Gated, after: &Filter) -> Option<Vec<Math>> {
-    let logs = gated.expected.log_likelihoods(gated.measurement())?;
-    let (before, now) = (gated.expected.probabilities()?, after.probabilities()?);
-    let general = Math::Row(vec![
-        of("μ", "j"),
-        text(" ← "),
-        Math::over(
-            Math::Row(vec![of("μ", "j"), text(" "), of("Λ", "j")]),
-            Math::Row(vec![Math::Sum(Box::new(Math::Var("j"))), of("μ", "j"), text(" "), of("Λ", "j")]),
-        ),
-        text(",  "),
-        of("Λ", "j"),
-        text(" = N("),
-        of("ν", "j"),
-        text("; 0, "),
-        of("S", "j"),
-        text(")"),
-    ]);
-    let numbers = Math::Row(vec![
-        of("μ", "2"),
-        text(format!(" = {} before; ln ", ratio(before[1]))),
-        of("Λ", "2"),
-        text(" − ln "),
-        of("Λ", "1"),
-        text(format!(" = {}; ", fixed(logs[1] - logs[0], 2))),
-        of("μ", "2"),
-        text(" = "),
-        Math::ink(ROLES[1], ratio(now[1])),
-    ]);
-    Some(vec![general, numbers])
+    let most = filters.iter().filter_map(Filter::sigma).map(|sigma| curvature(&sigma)).reduce(f64::max);
+    let Some(most) = most else { return step };
+    let is_little = most < 0.1 * noise_px;
+    let step = step.put(value::CURVATURE, most).say(case::BENDS);
+    step.say(if is_little { case::BENDS_LITTLE } else { case::BENDS_MUCH })
 }
 
 fn modes_matrix(symbol: &'static str, name: &'static str, entries: Grid<f64>) -> Matrix {
@@ -356,12 +222,17 @@ mod tests {
 
     #[test]
     fn a_tie_is_no_win() {
-        let of = |logs, before, now| compared(Sentence::default(), logs, [before, now]).plain();
+        let step = |[velocity, turn]: [f64; 2]| {
+            let step = Step::at(super::super::line::WEIGH_MODES).put(value::VELOCITY_PROBABILITY, velocity);
+            step.put(value::TURN_PROBABILITY, turn)
+        };
+        let of = |logs, before, now| compared(step(now), logs, [before, now]);
         let tie = of([-5.461, -5.4612], [0.5, 0.5], [0.50005, 0.49995]);
-        assert!(tie.contains("equally likely under both") && !tie.contains("rises"), "{tie}");
+        assert!(tie.is(case::EQUALLY_LIKELY) && !tie.is(case::RISES), "{}", tie.sentence.plain());
         let win = of([-5.0, -4.0], [0.5, 0.5], [0.269, 0.731]);
-        assert!(win.contains("more likely under the coordinated turn") && win.contains("0.500 → 0.731"), "{win}");
+        assert!(win.is(case::TURN_LIKELIER) && win.is(case::RISES), "{}", win.sentence.plain());
+        assert!(win.sentence.plain().contains("0.500 → 0.731"), "{}", win.sentence.plain());
         let sure = of([-5.0, -4.0], [0.0, 1.0], [0.0, 1.0]);
-        assert!(sure.contains("stays at 1.000"), "{sure}");
+        assert!(sure.is(case::STAYS) && sure.sentence.plain().contains("stays at 1.000"), "{}", sure.sentence.plain());
     }
 }
