@@ -117,7 +117,9 @@ impl Math {
             Math::Var(name) | Math::Bold(name) => (*name).into(),
             Math::Row(parts) => parts.iter().map(Math::plain).collect(),
             Math::Sub(base, index) => format!("{}_{}", base.plain(), index.plain()),
-            Math::Sup(base, exponent) => format!("{}^{}", base.plain(), exponent.plain()),
+            Math::Sup(base, exponent) => {
+                self.prediction().unwrap_or_else(|| format!("{}^{}", base.plain(), exponent.plain()))
+            }
             Math::Frac(top, bottom) => format!("({})/({})", top.plain(), bottom.plain()),
             Math::Sum(index) if index.plain().is_empty() => "Σ ".into(),
             Math::Sum(index) => format!("Σ_{} ", index.plain()),

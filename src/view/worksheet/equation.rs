@@ -77,13 +77,10 @@ pub struct Defined {
 
 /// The symbols that formulas define: what stands before their first sign.
 pub fn defined(lines: &[Math]) -> Vec<Defined> {
-    let clauses = lines.iter().flat_map(clauses);
-    let symbol = |clause: Clause| {
-        let first = clause.0.iter().position(|token| matches!(token, Token::Sign(_)))?;
-        let name = |math: Math| math.prediction().unwrap_or_else(|| math.plain());
-        let plain: String = clause.0[..first].iter().map(|token| name(token.math())).collect();
-        let plain = plain.trim();
-        let name = plain.split_once('(').map_or(plain, |(name, _)| name).trim();
+    let symbol = |clause: &Clause<'_>| {
+        let first = clause.0.iter().position(|part| is_sign(part))?;
+        let plain = row(&clause.0[..first]).plain();
+        let name = plain.split('(').next().unwrap_or_default().trim();
         let by = row(&clause.0[first..]);
         let is_by_hand = has_unknown(&by) && !has_sum(&by);
         (!name.is_empty()).then(|| Defined { name: name.to_owned(), is_by_hand })
