@@ -1,7 +1,7 @@
 //! The reader of formulas: a part of LaTeX, with the values of a step in it.
 //!
-//! `{gain}` stands for the value called so, `{gain:unit}` for the value with its unit. A group that is an argument is none:
-//! `\\frac{a}{b}` has the letters, `\\frac{{a}}{{b}}` the values.
+//! `{gain}` stands for the value called so, `{gain:unit}` for the value with its unit, `{flow:2}` for the second component of a vector.
+//! A group that is an argument is none: `\\frac{a}{b}` has the letters, `\\frac{{a}}{{b}}` the values.
 
 use super::Math;
 use super::case::find;
@@ -217,14 +217,19 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// The value that a group names.
+    /// The value that a group names, or a component of it: `{flow:2}`, `{flow:2:signed}`.
     fn value(&mut self, follows_sign: bool) -> Result<Math, Error> {
         let named = self.words()?;
-        let (name, style) = named.split_once(':').unwrap_or((named, ""));
+        let (name, how) = named.split_once(':').unwrap_or((named, ""));
         let value = self.values.and_then(|values| find(values, name));
         let value = value.ok_or_else(|| self.wrong(format!("there is no value {name}")))?;
-        let style = ValueStyle::called(style).ok_or_else(|| self.wrong(format!("a value is not written {style}")))?;
-        Ok(shown(value, style, follows_sign))
+        let (component, style) = how.split_at(how.find(|c: char| !c.is_ascii_digit()).unwrap_or(how.len()));
+        let style = ValueStyle::called(style.trim_start_matches(':'));
+        let style = style.ok_or_else(|| self.wrong(format!("a value is not written {how}")))?;
+        let Ok(component) = component.parse() else { return Ok(shown(value, style, follows_sign)) };
+        let part =
+            value.component(component).ok_or_else(|| self.wrong(format!("{name} has no component {component}")))?;
+        Ok(shown(&part, style, follows_sign))
     }
 
     /// The argument of a command or a script: a group, or one term.
@@ -533,6 +538,12 @@ mod tests {
         assert_eq!(plain(-2.0), "(−2.00)^2 − (−2.00) = −2.00");
         assert_eq!(plain(0.00026), "(2.6·10⁻⁴)^2 − (2.6·10⁻⁴) = 2.6·10⁻⁴");
         assert_eq!(plain(2.0), "2.00^2 − 2.00 = 2.00");
+        let components = read("{r:1} u {r:2:signed} v", Some(&[value::R.is([1.5, -2.0])])).map(|math| math.plain());
+        assert_eq!(components.ok().as_deref(), Some("1.50u − 2.00v"));
+        assert!(
+            read("{r:3}", Some(&[value::R.is([1.5, -2.0])])).is_err()
+                && read("{r:1}", Some(&[value::R.is(1.5)])).is_err()
+        );
     }
 
     #[test]

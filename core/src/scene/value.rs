@@ -269,6 +269,12 @@ impl Value {
         Self { role: Some(role), ..self }
     }
 
+    /// The component `i` of a vector, from 1.
+    pub(super) fn component(&self, i: usize) -> Option<Self> {
+        let Number::Vector(all) = &self.number else { return None };
+        Some(Self { number: Number::Real(*all.get(i.checked_sub(1)?)?), ..self.clone() })
+    }
+
     /// The number without its unit, as it stands in a formula: `−1 234.50`, `(3, −2)`.
     pub fn bare(&self) -> String {
         self.written(&self.number)

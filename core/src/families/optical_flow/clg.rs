@@ -5,12 +5,12 @@ use std::sync::OnceLock;
 use crate::base::Threads;
 use crate::geometry::filter;
 use crate::methods::{
-    differential::{Advice, Field, Linear, explain, numbers, relax},
-    variational::{Explanation, Local, Model, MotionTensor, Probe, Settings, Solver, Warp},
+    differential::{Advice, Field, Linear, explain, relax},
+    variational::{Explanation, Local, Model, MotionTensor, Probe, Settings, Solver, Warp, value as variational},
 };
 use crate::run::{Guarantee, Info};
-use crate::scene::{Constraint, Fact, Math, Name, Question, Reply, Role, Sentence};
-use crate::{cases, params, pseudocode};
+use crate::scene::{Case, Constraint, Name, Question, Reply, Role, Step, Unit};
+use crate::{cases, params, pseudocode, variables};
 
 params! {
     /// The combined local-global method (CLG), which minimises the energy ∫∫ (w, 1) · T (w, 1) + α² (|∇u|² + |∇v|²), w = (u, v).
@@ -33,11 +33,6 @@ params! {
     }
 }
 
-/// The step of an iteration that computes the neighbourhood mean.
-const AVERAGED: usize = 0;
-/// The step of SOR that extrapolates the update.
-const EXTRAPOLATED: usize = 2;
-
 /// The coefficients of a warp.
 pub struct System {
     solutions: Local,
@@ -45,7 +40,30 @@ pub struct System {
     tensor: OnceLock<MotionTensor>,
 }
 
-cases! {
+variables! {
+    /// The spatial part of the motion tensor of the pixel.
+    TENSOR: "T_xx, T_xy, T_yy", "(T_{xx}, T_{xy}, T_{yy})", Unit::FINE;
+    /// The temporal part of the motion tensor of the pixel, about the flow of the linearisation.
+    TEMPORAL_TENSOR: "T_xt, T_yt", "(T_{xt}, T_{yt})", Unit::FINE;
+    /// The temporal part of the motion tensor about zero flow.
+    CONSTANT_TERMS: "", "(c_x, c_y)", Unit::FINE, Role::Reference;
+    /// The trace of the spatial part.
+    TRACE: "", r"\text{tr }T", Unit::FINE;
+    /// The diagonal of the normal equations.
+    DIAGONAL: "", r"(T_{xx} + \alpha^2, T_{yy} + \alpha^2)", Unit::FINE;
+    /// The standard deviation of the window.
+    RHO: "", r"\rho", Unit::PX;
+}
+
+cases! { over value, explain::value, variational;
+    OPENING: "The data term averages the squared gradient constraints over a Gaussian window of standard deviation ρ; the \
+              smoothness term is the sum of the squared gradients of u and v, weighted by α². The window suppresses noise; \
+              the smoothness term fills areas without texture.",
+    WINDOW: "Least squares combines the gradient constraints in the Gaussian window (ρ = {rho}) of {reference|pixel} {pixel} with the \
+             neighbourhood mean.",
+    ONE_CONSTRAINT: "Least squares combines the gradient constraint of {reference|pixel} {pixel} with the neighbourhood mean.",
+    DATA_DOMINATES: "tr T = {trace} against α² = {alpha_squared}, so the data term dominates: (u, v) = {update}.",
+    SMOOTHNESS_DOMINATES: "tr T = {trace} against α² = {alpha_squared}, so the smoothness term dominates: (u, v) = {update}.",
     ADVISE_TEXTURE: "A larger α and more iterations carry flow in from textured neighbours.",
     ADVISE_BOUNDARY: "Window and smoothness term blur the boundary; smaller ρ and α or TV-L1 keep it sharper.",
     ADVISE_MOTION: "More pyramid levels and warps would reach this motion.",
@@ -80,16 +98,14 @@ impl Model for Clg {
         "term",
         "Which term dominates the update of the pixel?",
         &[
-            Reply::says(line::SOLVE, "the data term dominates", "The data term"),
-            Reply::says(line::SOLVE, "the smoothness term dominates", "The smoothness term"),
+            Reply::told(line::SOLVE, case::DATA_DOMINATES, "The data term"),
+            Reply::told(line::SOLVE, case::SMOOTHNESS_DOMINATES, "The smoothness term"),
         ],
     )
     .once_per_reference()];
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 5 };
     const ENERGY_UNIT: &'static str = "gray levels²";
-    const OPENING: &'static str = "The data term averages the squared gradient constraints over a Gaussian window of standard \
-                                   deviation ρ; the smoothness term is the sum of the squared gradients of u and v, weighted by \
-                                   α². The window suppresses noise; the smoothness term fills areas without texture.";
+    const OPENING: &'static Case = case::OPENING;
     const ADVICE: Advice =
         Advice { texture: case::ADVISE_TEXTURE, boundary: case::ADVISE_BOUNDARY, motion: case::ADVISE_MOTION };
     const SYSTEM_PARTS: usize = 5;
@@ -123,33 +139,18 @@ impl Model for Clg {
         [self.tensor(warp).energy(at), f64::from(self.alpha).powi(2) * relax::roughness(at)]
     }
 
-    fn explanation(&self, step: usize, probe: &Probe<Self>) -> Explanation {
+    fn explanation(&self, index: usize, probe: &Probe<Self>, step: Step) -> Explanation {
         let mean = self.solver.mean_of(probe);
         let tensor = self.tensor(&probe.iteration.warp).at(probe.place);
         let update = solution(tensor, self.alpha * self.alpha, mean);
-        let before = ("mean", Role::Predicted, mean);
-        // The result of the update is not known before it.
-        let (sentence, equation, points) = match step {
-            AVERAGED => (probe.averaged(self.solver, mean), probe.averages(mean), vec![before]),
-            EXTRAPOLATED => (
-                probe.extrapolated(update, self.relaxation),
-                probe.relaxed(update, self.relaxation),
-                vec![("Gauss–Seidel", Role::Predicted, update), ("after", Role::Result, probe.to())],
-            ),
-            _ => (
-                self.updated(probe, tensor[0] + tensor[2], update),
-                self.equation(tensor, (mean, update), probe),
-                vec![before, (self.solver.update_name(), Role::Result, update)],
-            ),
-        };
-        let [xx, xy, yy, xt, yt] = about_zero(tensor, probe.start().unwrap_or_default()).map(numbers::gray);
+        let [xx, xy, yy, xt, yt] = about_zero(tensor, probe.start().unwrap_or_default());
+        let step = step.fact(value::TENSOR, [xx, xy, yy]).fact(value::TEMPORAL_TENSOR, [xt, yt]);
+        let found = ([mean, update], self.relaxation);
+        let (step, points) = self
+            .solver
+            .explained((index, step), probe, found, |step| self.updated(step, probe.start().is_some(), tensor));
         Explanation {
-            sentence,
-            facts: vec![
-                Fact::new("T_xx, T_xy, T_yy", format!("{xx}, {xy}, {yy}"), None),
-                Fact::new("T_xt, T_yt", format!("{xt}, {yt}"), None),
-            ],
-            equation,
+            step,
             points,
             lines: self.lines(probe),
             energy: Some(Box::new(energy(tensor, self.alpha * self.alpha, mean))),
@@ -162,35 +163,28 @@ impl Clg {
         warp.system.tensor.get_or_init(|| MotionTensor::new(&warp.linear, self.rho, &Threads::single()))
     }
 
-    fn updated(&self, probe: &Probe<Self>, trace: f32, update: [f32; 2]) -> Sentence {
-        let weight = self.alpha * self.alpha;
-        let window = if self.rho > 0.0 {
-            format!(
-                "Least squares combines the gradient constraints in the Gaussian window (ρ = {} px) of ",
-                numbers::gray(self.rho)
-            )
-        } else {
-            "Least squares combines the gradient constraint of ".into()
+    /// Tells which term decides about the update, and writes the normal equations in symbols and numbers; after warping, c_x and
+    /// c_y replace T_xt and T_yt.
+    fn updated(&self, step: Step, is_warped: bool, [xx, _, yy, xt, yt, _]: [f32; 6]) -> Step {
+        let (weight, trace) = (self.alpha * self.alpha, xx + yy);
+        let step = step.put(variational::ALPHA_SQUARED, weight).put(value::TRACE, trace).put(value::RHO, self.rho);
+        let step = step.put(value::DIAGONAL, [xx + weight, yy + weight]).put(value::CONSTANT_TERMS, [xt, yt]);
+        let step = step.say(if self.rho > 0.0 { case::WINDOW } else { case::ONE_CONSTRAINT });
+        let step = step.say(if trace > weight { case::DATA_DOMINATES } else { case::SMOOTHNESS_DOMINATES });
+        let step = match is_warped {
+            true => step
+                .formula("c_x = T_{xt} - T_{xx} u_0 - T_{xy} v_0")
+                .formula(r"= {temporal_tensor:1} - {tensor:1} \cdot {start:1} - {tensor:2} \cdot {start:2} = {constant_terms:1}")
+                .formula("c_y = T_{yt} - T_{xy} u_0 - T_{yy} v_0")
+                .formula(r"= {temporal_tensor:2} - {tensor:2} \cdot {start:1} - {tensor:3} \cdot {start:2} = {constant_terms:2}"),
+            false => step,
         };
-        let said = Sentence::default().text(window).ink(Role::Reference, probe.pixel()).text(format!(
-            " with the neighbourhood mean. tr T = {} against α² = {}, so the {} dominates: (u, v) = ",
-            numbers::gray(trace),
-            numbers::gray(weight),
-            if trace > weight { "data term" } else { "smoothness term" }
-        ));
-        said.ink(Role::Result, probe.px(update)).text(".")
-    }
-
-    /// Returns the normal equations of the pixel, in symbols and with numbers.
-    fn equation(&self, tensor: [f32; 6], (mean, update): ([f32; 2], [f32; 2]), probe: &Probe<Self>) -> Vec<Math> {
-        let (weight, [xx, xy, yy, xt, yt, _]) = (self.alpha * self.alpha, tensor);
-        let mut lines = probe.start().map(|start| definitions(tensor, start).to_vec()).unwrap_or_default();
-        lines.extend(symbols(probe.start().is_some()));
-        lines.push(numbers([xx + weight, xy], weight, mean[0], xt));
-        lines.push(numbers([xy, yy + weight], weight, mean[1], yt));
-        let named = if self.solver == Solver::Sor { "(u, v) by Gauss–Seidel = " } else { "(u, v) = " };
-        lines.push(Math::Row(vec![Math::text(named), Math::ink(Role::Result, numbers::vector(update))]));
-        lines
+        let [x, y] = if is_warped { ["c_x", "c_y"] } else { ["T_{xt}", "T_{yt}"] };
+        step.formula(format!(r"(T_{{xx}} + \alpha^2) u + T_{{xy}} v = \alpha^2 \bar{{u}} - {x}"))
+            .formula(format!(r"T_{{xy}} u + (T_{{yy}} + \alpha^2) v = \alpha^2 \bar{{v}} - {y}"))
+            .formula(r"{diagonal:1} u {tensor:2:signed} v = {alpha_squared} \cdot {neighbourhood_mean:1} - {constant_terms:1}")
+            .formula(r"{tensor:2} u {diagonal:2:signed} v = {alpha_squared} \cdot {neighbourhood_mean:2} - {constant_terms:2}")
+            .formula(format!("(u, v){} = {{update}}", self.solver.index()))
     }
 
     /// Returns the constraint lines of the window by their weights; a subset for large windows.
@@ -235,76 +229,6 @@ fn energy([xx, xy, yy, xt, yt, tt]: [f32; 6], weight: f32, mean: [f32; 2]) -> im
 /// T_xx, T_xy, T_yy, T_xt and T_yt for the increment to `start`; those of a [`MotionTensor`] are for the whole flow.
 fn about_zero([xx, xy, yy, xt, yt, _]: [f32; 6], [u, v]: [f32; 2]) -> [f32; 5] {
     [xx, xy, yy, xt + xx * u + xy * v, yt + xy * u + yy * v]
-}
-
-fn part(along: &'static str) -> Math {
-    Math::indexed(Math::Var("T"), Math::Var(along))
-}
-
-/// c_x and c_y, which replace T_xt and T_yt after warping by `start`, in symbols and numbers.
-fn definitions(tensor: [f32; 6], start: [f32; 2]) -> [Math; 2] {
-    let [xx, xy, yy, xt, yt] = about_zero(tensor, start);
-    let [u, v] = start.map(|component| numbers::factor(numbers::px(component)));
-    let zero = |name| Math::indexed(Math::Var(name), Math::text("0"));
-    let line = |[to, t, first, second]: [&'static str; 4], [total, a, b, rest]: [f32; 4]| {
-        let product = |factor: f32, by: &str| {
-            [Math::text(" − "), Math::text(format!("{} · {by}", numbers::factor(numbers::gray(factor))))]
-        };
-        let mut row = vec![
-            Math::indexed(Math::Var("c"), Math::Var(to)),
-            Math::text(" = "),
-            part(t),
-            Math::text(" − "),
-            part(first),
-            Math::text(" "),
-            zero("u"),
-            Math::text(" − "),
-            part(second),
-            Math::text(" "),
-            zero("v"),
-            Math::text(" = "),
-            Math::text(numbers::gray(total)),
-        ];
-        row.extend(product(a, &u).into_iter().chain(product(b, &v)));
-        row.extend([Math::text(" = "), Math::ink(Role::Reference, numbers::gray(rest))]);
-        Math::Row(row)
-    };
-    [line(["x", "xt", "xx", "xy"], [xt, xx, xy, tensor[3]]), line(["y", "yt", "xy", "yy"], [yt, xy, yy, tensor[4]])]
-}
-
-/// The normal equations in symbols; after warping (`is_about`), c_x and c_y replace T_xt and T_yt.
-fn symbols(is_about: bool) -> [Math; 2] {
-    let squared = || Math::power(Math::Var("α"), Math::text("2"));
-    let time = |t: &'static str, c: &'static str| {
-        if is_about { Math::indexed(Math::Var("c"), Math::Var(c)) } else { part(t) }
-    };
-    let right = |name: &'static str, time: Math| {
-        let mean = Math::mean(Math::Var(name));
-        Math::Row(vec![Math::text(" = "), squared(), Math::text(" "), mean, Math::text(" − "), time])
-    };
-    let with_weight = |along: &'static str| {
-        Math::Row(vec![Math::text("("), part(along), Math::text(" + "), squared(), Math::text(") ")])
-    };
-    let mixed = || Math::Row(vec![part("xy"), Math::text(" ")]);
-    let row =
-        |first, second, right| Math::Row(vec![first, Math::Var("u"), Math::text(" + "), second, Math::Var("v"), right]);
-    [
-        row(with_weight("xx"), mixed(), right("u", time("xt", "x"))),
-        row(mixed(), with_weight("yy"), right("v", time("yt", "y"))),
-    ]
-}
-
-/// One normal equation in numbers.
-fn numbers([a, b]: [f32; 2], weight: f32, mean: f32, t: f32) -> Math {
-    Math::Row(vec![
-        Math::text(format!("{} ", numbers::gray(a))),
-        Math::Var("u"),
-        Math::text(format!(" {} ", numbers::summand(numbers::gray(b)))),
-        Math::Var("v"),
-        Math::text(format!(" = {} · ", numbers::gray(weight))),
-        Math::ink(Role::Predicted, numbers::factor(numbers::px(mean))),
-        Math::text(format!(" {}", numbers::summand(numbers::gray(-t)))),
-    ])
 }
 
 #[cfg(test)]

@@ -2,16 +2,18 @@
 
 use std::sync::Arc;
 
-use crate::base::{Error, Observer, Tally, Threads, words};
+use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::Clip;
 use crate::geometry::Grid;
 use crate::methods::{
-    differential::{Advice, Conclusion, Field, Multiscale, Weights, Window, explain, field, numbers, relax},
-    polynomial::{Applicability, Estimate, Expander, ExpansionPair, Inspected, Packed, Part, Probe, WindowSolver},
+    differential::{Advice, Conclusion, Field, Multiscale, Weights, Window, explain, field, mean_change, relax},
+    polynomial::{
+        self, Applicability, Estimate, Expander, ExpansionPair, Inspected, Packed, Part, Probe, WindowSolver,
+    },
 };
 use crate::products::{Confidence, DenseField, Output, Product, ProductKind};
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Fact, Focus, Question, Reading, Readout, Reply, Role, Scene, Sentence, Series, Step};
+use crate::scene::{Chart, Focus, Question, Readout, Reply, Role, Scene, Series, Step};
 use crate::{cases, params, pseudocode};
 
 params! {
@@ -143,6 +145,8 @@ impl Farneback {
 }
 
 cases! {
+    OPENING: "Polynomial expansion approximates each neighbourhood by x · A x + b · x + c. If the image shifts by d, the linear term \
+              becomes b − 2 A d, so the change of b determines d where A is invertible.",
     ADVISE_TEXTURE: "A larger window may contain other gradients; the smoothness term of Horn–Schunck fills such areas.",
     ADVISE_BOUNDARY: "The window mixes the motions of both sides; a smaller window or TV-L1 mixes them less.",
     ADVISE_MOTION: "More pyramid levels would reach this motion.",
@@ -181,14 +185,15 @@ impl Estimator for Farneback {
             "second",
             "Is there a second polynomial to compare with?",
             &[
-                Reply::says(line::PAIR, "there is no second polynomial", "No: the displacement leads out of frame t+1"),
+                Reply::told(line::PAIR, polynomial::case::OUTSIDE, "No: the displacement leads out of frame t+1"),
                 Reply::at(line::PAIR, "Yes"),
             ],
         ),
-        Question::number(
+        Question::value(
             "change",
             "How large is the mean change of the iteration?",
-            Reading { line: line::SOLVE, after: "Mean change of the iteration: ", before: " px", unit: "px" },
+            line::SOLVE,
+            explain::value::MEAN_CHANGE,
         ),
     ];
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 5 };
@@ -239,16 +244,7 @@ impl Estimator for Farneback {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        let Some(probe) = self.probe(seen) else {
-            let sentence = "Polynomial expansion approximates each neighbourhood by x · A x + b · x + c. If the image shifts by d, \
-                            the linear term becomes b − 2 A d, so the change of b determines d where A is invertible.";
-            return Step {
-                values: Vec::new(),
-                line: line::START_AT_ZERO,
-                sentence: Sentence::default().text(sentence),
-                readouts: Vec::new(),
-            };
-        };
+        let Some(probe) = self.probe(seen) else { return Step::at(line::START_AT_ZERO).say(case::OPENING) };
         let line = match probe.part {
             Part::Expanded => line::EXPAND,
             Part::Paired => line::PAIR,
@@ -256,12 +252,10 @@ impl Estimator for Farneback {
             Part::Averaged => line::AVERAGE,
             Part::Solved => line::SOLVE,
         };
-        Step {
-            values: Vec::new(),
-            line,
-            sentence: self.concluded(seen, probe.sentence()),
-            readouts: self.readouts(seen, &probe),
-        }
+        let State { frames, iteration, .. } = seen.before;
+        let step = frames.put(Step::at(line), probe.level, (iteration + 1, self.iterations));
+        let step = self.concluded(seen, probe.tell(step));
+        step.show_all(self.series(seen).into_iter().map(Readout::Series))
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
@@ -332,51 +326,22 @@ impl Farneback {
         Some(Probe::new(*part, (frames, level), inspected, solver, self.poly_n / 2))
     }
 
-    /// Adds the conclusion of an iteration and of the run, at the end of each.
-    fn concluded(&self, seen: &Seen<Self>, sentence: Sentence) -> Sentence {
-        let (Some(after), None) = (seen.after, seen.point()) else { return sentence };
-        let Some(note) = after.notes.last() else { return sentence };
-        let sentence = sentence.text(format!(" Mean change of the iteration: {} px.", numbers::px(note.change)));
+    /// Adds change and error of an iteration, and the conclusion of the iteration and of the run, at the end of each.
+    fn concluded(&self, seen: &Seen<Self>, step: Step) -> Step {
+        let Some(after) = seen.after else { return step };
+        let Some(note) = after.notes.last() else { return step };
+        let step = step.fact_of(mean_change(note.level, note.change));
+        let step = step.fact_if(explain::value::ITERATION_ERROR, note.error.is_finite().then_some(note.error));
+        if seen.point().is_some() {
+            return step;
+        }
+        let step = step.say(explain::case::MEAN_CHANGE);
         if !after.is_done {
-            return sentence;
+            return step;
         }
         let [across, down] = after.frames.scale(after.frames.count() - 1);
         let flow = after.frames.flow(&after.field);
-        let conclusion = Conclusion::new(&after.frames.frame_pair, &flow, across.max(down));
-        sentence.text(" ").then(conclusion.tell(Step::at(line::SOLVE), &ADVICE).sentence)
-    }
-
-    fn readouts(&self, seen: &Seen<Self>, probe: &Probe) -> Vec<Readout> {
-        let facts = Readout::Facts(self.facts(seen, probe));
-        let series = self.series(seen).into_iter().map(Readout::Series);
-        [facts].into_iter().chain(probe.readouts()).chain(series).collect()
-    }
-
-    fn facts(&self, seen: &Seen<Self>, probe: &Probe) -> Vec<Fact> {
-        let state = seen.before;
-        let fact = |label, value: String, role| Fact::new(label, value, role);
-        let px = |uv: [f32; 2]| format!("{} {}", numbers::vector(uv), probe.unit());
-        let (width, height) = state.frames.size(probe.level);
-        let of = state.frames.count() - 1;
-        let mut facts = vec![
-            fact("Level", format!("{} ({of} is the coarsest), {width}×{height} px", probe.level), None),
-            fact("Iteration", format!("{} of {}", state.iteration + 1, self.iterations), None),
-            fact("Pixel", words::pixel(probe.place), Some(Role::Reference)),
-            fact("Prior displacement", px(probe.from()), Some(Role::Best)),
-        ];
-        if probe.part == Part::Solved {
-            let off = numbers::gray(probe.off());
-            facts.push(fact("Displacement", px(probe.to()), Some(Role::Result)));
-            facts.push(fact("RMS residual of A d − Δb", format!("{off} gray levels per px"), None));
-        }
-        facts.extend(probe.truth().map(|truth| fact("True displacement", px(truth), Some(Role::Truth))));
-        if let Some(note) = seen.after.and_then(|after| after.notes.last()) {
-            facts.push(fact("Mean change", format!("{} px", numbers::px(note.change)), None));
-            if note.error.is_finite() {
-                facts.push(fact("Mean endpoint error", format!("{} px", numbers::px(note.error)), Some(Role::Error)));
-            }
-        }
-        facts
+        Conclusion::new(&after.frames.frame_pair, &flow, across.max(down)).tell(step, &ADVICE)
     }
 
     /// Returns the plots of mean change and endpoint error over iterations.

@@ -4,11 +4,11 @@ use crate::base::Threads;
 use crate::base::words::{further_digits, rounded};
 use crate::methods::{
     differential::{Advice, FLAT, Field, Linear, explain, numbers, relax},
-    variational::{Explanation, Model, Probe, Settings, Solver, Warp},
+    variational::{Explanation, Model, Probe, Settings, Solver, Warp, value as variational},
 };
 use crate::run::{Guarantee, Info};
-use crate::scene::{Math, Name, Question, Reading, Reply, Role, Sentence};
-use crate::{cases, params, pseudocode};
+use crate::scene::{Case, Name, Question, Reply, Role, Step, Unit, Value};
+use crate::{cases, params, pseudocode, variables};
 
 params! {
     /// Horn and Schunck's method, which minimises the energy ∫∫ (I_x u + I_y v + I_t)² + α² (|∇u|² + |∇v|²).
@@ -31,12 +31,33 @@ params! {
     }
 }
 
-/// The step of an iteration that computes the neighbourhood mean.
-const AVERAGED: usize = 0;
-/// The step of SOR that extrapolates the update.
-const EXTRAPOLATED: usize = 2;
+variables! {
+    /// The squared magnitude of the image gradient at the pixel.
+    SQUARED_GRADIENT: "", r"|\nabla I|^2", Unit::FINE;
+    /// The residual of the gradient constraint at the neighbourhood mean.
+    RESIDUAL: "", r"\rho(\bar{u}, \bar{v})", Unit::GRAY;
+    /// The size of that residual.
+    VIOLATION: "", r"|\rho(\bar{u}, \bar{v})|", Unit::GRAY;
+    /// The sum of the squared gradient and the squared regularisation weight.
+    WEIGHT: "", r"\alpha^2 + |\nabla I|^2", Unit::FINE;
+    /// The share of the way from the neighbourhood mean to the constraint line that the update covers.
+    SHARE: "", "", Unit::WHOLE_PERCENT;
+}
 
-cases! {
+cases! { over value, explain::value, variational;
+    OPENING: "The data term is the squared violation of the gradient constraint; the smoothness term is the sum of the \
+              squared gradients of u and v, weighted by α². Without image gradient the smoothness term alone determines \
+              the flow.",
+    ONLY_SMOOTHNESS: "Only the smoothness term counts:",
+    NO_GRADIENT: "{reference|pixel} {pixel} has no gradient, so any flow satisfies its constraint.",
+    UNKNOWN: "{reference|pixel} {pixel} has no constraint, because (u₀, v₀) leads out of frame t+1.",
+    TAKES_MEAN: "The update takes the neighbourhood mean: (u, v) = {update}.",
+    SATISFIED: "The neighbourhood mean satisfies the gradient constraint of {reference|pixel} {pixel} to within 0.01 gray levels, so the \
+                update keeps it: (u, v) = {update}.",
+    VIOLATED: "The neighbourhood mean violates the gradient constraint of {reference|pixel} {pixel} by {violation}. With |∇I|² = \
+               {squared_gradient} against α² = {alpha_squared}, the update covers",
+    COVERS: "{share} of the way to the constraint line: (u, v) = {update}.",
+    COVERS_LITTLE: "less than 1 % of the way to the constraint line: (u, v) = {update}.",
     ADVISE_TEXTURE: "A larger α and more iterations carry flow in from textured neighbours.",
     ADVISE_BOUNDARY: "The quadratic smoothness term blurs the boundary; a smaller α or TV-L1 keeps it sharper.",
     ADVISE_MOTION: "More pyramid levels and warps would reach this motion.",
@@ -54,9 +75,6 @@ pseudocode! {
     EXTRAPOLATE: "        (u, v) ← (u, v) + ω ((u, v)_GS − (u, v)); ω = 1 unless SOR",
 }
 
-/// Where an update says how much of the way to the constraint line it covers.
-const SHARE: Reading = Reading { line: line::UPDATE, after: "the update covers ", before: " % of the way", unit: "%" };
-
 impl Model for HornSchunck {
     const INFO: Info = Info {
         id: "horn-schunck",
@@ -72,28 +90,27 @@ impl Model for HornSchunck {
         frames: 2,
     };
     const QUESTIONS: &'static [Question] = &[
-        Question::number(
+        Question::value(
             "share",
             "How much of the way from the neighbourhood mean to the constraint line does the update cover?",
-            SHARE,
+            line::UPDATE,
+            value::SHARE,
         )
         .once_per_reference(),
         Question::choice(
             "term",
             "Which term dominates the update of the pixel?",
             &[
-                Reply::over(SHARE, 50.0, "The data term"),
-                Reply::says(line::UPDATE, "the update covers", "The smoothness term"),
-                Reply::says(line::UPDATE, "Only the smoothness term counts", "The smoothness term"),
+                Reply::above(line::UPDATE, (value::SHARE, 50.0), "The data term"),
+                Reply::told(line::UPDATE, case::VIOLATED, "The smoothness term"),
+                Reply::told(line::UPDATE, case::ONLY_SMOOTHNESS, "The smoothness term"),
             ],
         )
         .once_per_reference(),
     ];
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 5 };
     const ENERGY_UNIT: &'static str = "gray levels²";
-    const OPENING: &'static str = "The data term is the squared violation of the gradient constraint; the smoothness term is the \
-                                   sum of the squared gradients of u and v, weighted by α². Without image gradient the \
-                                   smoothness term alone determines the flow.";
+    const OPENING: &'static Case = case::OPENING;
     const ADVICE: Advice =
         Advice { texture: case::ADVISE_TEXTURE, boundary: case::ADVISE_BOUNDARY, motion: case::ADVISE_MOTION };
     const SYSTEM_PARTS: usize = 3;
@@ -130,27 +147,12 @@ impl Model for HornSchunck {
         Some(weight / (weight + a * a + b * b))
     }
 
-    fn explanation(&self, step: usize, probe: &Probe<Self>) -> Explanation {
+    fn explanation(&self, index: usize, probe: &Probe<Self>, step: Step) -> Explanation {
         let update = Update::of(self, probe);
-        let mean = ("mean", Role::Predicted, update.mean);
-        // The result of the update is not known before it.
-        let (sentence, equation, points) = match step {
-            AVERAGED => (probe.averaged(self.solver, update.mean), probe.averages(update.mean), vec![mean]),
-            EXTRAPOLATED => (
-                probe.extrapolated(update.to, self.relaxation),
-                probe.relaxed(update.to, self.relaxation),
-                vec![("Gauss–Seidel", Role::Predicted, update.to), ("after", Role::Result, probe.to())],
-            ),
-            _ => (
-                update.sentence(self, probe),
-                update.equation(self, probe),
-                vec![mean, (self.solver.update_name(), Role::Result, update.to)],
-            ),
-        };
+        let found = ([update.mean, update.to], self.relaxation);
+        let (step, points) = self.solver.explained((index, step), probe, found, |step| update.tell(self, probe, step));
         Explanation {
-            sentence,
-            facts: Vec::new(),
-            equation,
+            step,
             points,
             lines: explain::line(probe.factors(), 1.0, Role::Candidate).into_iter().collect(),
             energy: Some(Box::new(update.energy(self.alpha, probe.factors()))),
@@ -186,111 +188,57 @@ impl Update {
         Self { mean, off, weight, to: [mean[0] - a * off / weight, mean[1] - b * off / weight] }
     }
 
-    fn sentence(&self, model: &HornSchunck, probe: &Probe<HornSchunck>) -> Sentence {
-        let (said, pixel) = (Sentence::default(), probe.pixel());
+    /// Tells which term decides about the update, and writes it in symbols and with the numbers of the pixel.
+    fn tell(&self, model: &HornSchunck, probe: &Probe<HornSchunck>, step: Step) -> Step {
         let [a, b, _] = probe.factors();
-        let squared = a * a + b * b;
-        if squared <= FLAT {
-            let why = match probe.is_known() {
-                true => "has no gradient, so any flow satisfies its constraint",
-                false => "has no constraint, because (u₀, v₀) leads out of frame t+1",
-            };
-            let said = said
-                .text("Only the smoothness term counts: ")
-                .ink(Role::Reference, pixel)
-                .text(format!(" {why}. The update takes the neighbourhood mean: (u, v) = "));
-            return said.ink(Role::Result, probe.px(self.to)).text(".");
-        }
-        let off = numbers::gray(self.off.abs());
-        if off == "0.00" {
-            let said = said
-                .text("The neighbourhood mean satisfies the gradient constraint of ")
-                .ink(Role::Reference, pixel)
-                .text(" to within 0.01 gray levels, so the update keeps it: (u, v) = ");
-            return said.ink(Role::Result, probe.px(self.to)).text(".");
-        }
-        let said = said
-            .text("The neighbourhood mean violates the gradient constraint of ")
-            .ink(Role::Reference, pixel)
-            .text(format!(
-                " by {off} gray levels. With |∇I|² = {} against α² = {}, the update covers {} of the way to the constraint \
-                 line: (u, v) = ",
-                numbers::gray(squared),
-                numbers::gray(model.alpha * model.alpha),
-                match 100.0 * squared / self.weight {
-                    share if share < 1.0 => "less than 1 %".to_owned(),
-                    share => format!("{share:.0} %"),
-                }
-            ));
-        said.ink(Role::Result, probe.px(self.to)).text(".")
-    }
-
-    /// Returns the update in symbols, and with the numbers of the pixel.
-    fn equation(&self, model: &HornSchunck, probe: &Probe<HornSchunck>) -> Vec<Math> {
-        let name = |name: &'static str| match model.solver {
-            Solver::Sor => Math::indexed(Math::Var(name), Math::text("GS")),
-            Solver::Jacobi | Solver::GaussSeidel => Math::Var(name),
+        let (squared, violation) = (a * a + b * b, value::VIOLATION.is(self.off.abs()));
+        let share = 100.0 * squared / self.weight;
+        let step =
+            step.put(value::SQUARED_GRADIENT, squared).put(variational::ALPHA_SQUARED, model.alpha * model.alpha);
+        let step = match () {
+            () if !probe.is_known() => {
+                let step = step.say(case::ONLY_SMOOTHNESS).say(case::UNKNOWN).say(case::TAKES_MEAN);
+                return step.formula(r"(u, v) = (\bar{u}, \bar{v}) = {update}");
+            }
+            () if squared <= FLAT => step.say(case::ONLY_SMOOTHNESS).say(case::NO_GRADIENT).say(case::TAKES_MEAN),
+            () if violation.rounded() == Some(0.0) => step.say(case::SATISFIED),
+            () if share < 1.0 => step.put_value(violation).say(case::VIOLATED).say(case::COVERS_LITTLE),
+            () => step.put_value(violation).put(value::SHARE, share).say(case::VIOLATED).say(case::COVERS),
         };
-        let [a, b, _] = probe.factors();
-        let is_warped = probe.start().is_some();
-        vec![
-            symbols(name("u"), ("u", "x"), is_warped),
-            self.numbers(a, self.mean[0], self.to[0]),
-            symbols(name("v"), ("v", "y"), is_warped),
-            self.numbers(b, self.mean[1], self.to[1]),
-        ]
+        let (step, name) = (self.put(probe, step), model.solver.index());
+        // After warping, the gradient constraint is linearised at (u₀, v₀).
+        let residual = match probe.start() {
+            Some(_) => r"I_x (\bar{u} - u_0) + I_y (\bar{v} - v_0) + I_t",
+            None => r"I_x \bar{u} + I_y \bar{v} + I_t",
+        };
+        let line = |[of, along]: [&str; 2]| {
+            format!(r"{of}{name} = \bar{{{of}}} - I_{along} \frac{{{residual}}}{{\alpha^2 + I_x^2 + I_y^2}}")
+        };
+        step.formula(line(["u", "x"]))
+            .formula(r"= {neighbourhood_mean:1} - {i_x} \cdot \frac{{residual}}{{weight}} = {update:1}")
+            .formula(line(["v", "y"]))
+            .formula(r"= {neighbourhood_mean:2} - {i_y} \cdot \frac{{residual}}{{weight}} = {update:2}")
     }
 
-    fn numbers(&self, gradient: f32, mean: f32, to: f32) -> Math {
-        let (length, level) = (numbers::PX_DECIMALS, 2);
-        let further = further_digits(|further| {
-            let [gradient, off, weight] =
-                [gradient, self.off, self.weight].map(|of| rounded(of.into(), level + further));
-            let found = rounded(mean.into(), length + further) - gradient * off / weight;
-            numbers::px(found as f32) == numbers::px(to)
-        });
-        let level = |of: f32| numbers::fixed(of, level + further);
-        Math::Row(vec![
-            Math::text("= "),
-            Math::ink(Role::Predicted, numbers::fixed(mean, length + further)),
-            Math::text(" − "),
-            Math::ink(Role::Reference, numbers::factor(level(gradient))),
-            Math::text(" · "),
-            Math::over(Math::text(level(self.off)), Math::text(level(self.weight))),
-            Math::text(" = "),
-            Math::ink(Role::Result, numbers::px(to)),
-        ])
+    /// Puts the parts of the update with the fewest decimals with which they give it.
+    fn put(&self, probe: &Probe<HornSchunck>, step: Step) -> Step {
+        let ([a, b, _], result) = (probe.factors(), |update: [f64; 2]| variational::UPDATE.is(update).bare());
+        let written = |further: usize| {
+            let mean = self.mean.map(|c| rounded(c.into(), numbers::PX_DECIMALS + further));
+            let parts = [a, b, self.off, self.weight];
+            let [a, b, off, weight] = parts.map(|part| rounded(part.into(), numbers::GRAY_DECIMALS + further));
+            result([mean[0] - a * off / weight, mean[1] - b * off / weight])
+        };
+        let further = further_digits(|further| written(*further) == result(self.to.map(f64::from)));
+        let finer = |value: Value| {
+            let unit = value.unit.finer(further as u8);
+            value.in_unit(unit)
+        };
+        let mean = probe.px(variational::NEIGHBOURHOOD_MEAN, self.mean);
+        let parts = [explain::value::I_X.is(a), explain::value::I_Y.is(b), value::RESIDUAL.is(self.off)];
+        let parts = parts.into_iter().chain([value::WEIGHT.is(self.weight), mean]);
+        parts.fold(step, |step, part| step.put_value(finer(part)))
     }
-}
-
-/// The update of one flow component in symbols; after warping, the gradient constraint is linearised at (u₀, v₀).
-fn symbols(to: Math, (part, along): (&'static str, &'static str), is_warped: bool) -> Math {
-    let squared = |base: Math| Math::power(base, Math::text("2"));
-    let product = |along: &'static str, component: &'static str| {
-        let mean = Math::mean(Math::Var(component));
-        let start = Math::indexed(Math::Var(component), Math::text("0"));
-        let off = vec![Math::text("("), mean.clone(), Math::text(" − "), start, Math::text(")")];
-        let off = if is_warped { Math::Row(off) } else { mean };
-        Math::Row(vec![explain::derivative(along), Math::text(" "), off])
-    };
-    let top =
-        vec![product("x", "u"), Math::text(" + "), product("y", "v"), Math::text(" + "), explain::derivative("t")];
-    let bottom = vec![
-        squared(Math::Var("α")),
-        Math::text(" + "),
-        squared(explain::derivative("x")),
-        Math::text(" + "),
-        squared(explain::derivative("y")),
-    ];
-    Math::Row(vec![
-        to,
-        Math::text(" = "),
-        Math::mean(Math::Var(part)),
-        Math::text(" − "),
-        explain::derivative(along),
-        Math::text(" "),
-        Math::Frac(Box::new(Math::Row(top)), Box::new(Math::Row(bottom))),
-    ])
 }
 
 #[cfg(test)]

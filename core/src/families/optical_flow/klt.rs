@@ -1,6 +1,7 @@
 //! The Kanade–Lucas–Tomasi tracker: detection, tracking through the clip, validation and replacement of features.
 
 mod explain;
+mod vocabulary;
 
 use std::sync::Arc;
 
@@ -11,6 +12,7 @@ use crate::methods::{
     features::{
         affine::{Fit, FitFailure, IDENTITY, SAME_LIGHT, Start, View},
         follow::{self, Follow},
+        level_trace::case as tracking,
         spread,
         tracker::Level,
     },
@@ -331,8 +333,8 @@ impl Estimator for Klt {
         "What becomes of the next feature?",
         &[
             Reply::at(line::MOVE, "It passes all checks"),
-            Reply::says(line::TRACK, "is lost", "It leaves the frame"),
-            Reply::says(line::TRACK_BACK, "is lost", "Tracking back ends elsewhere"),
+            Reply::told(line::TRACK, tracking::LOST, "It leaves the frame"),
+            Reply::told(line::TRACK_BACK, tracking::LOST, "Tracking back ends elsewhere"),
             Reply::at(line::IS_CHANGED, "It no longer looks like its first view"),
         ],
     )];

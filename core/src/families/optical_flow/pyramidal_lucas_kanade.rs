@@ -1,24 +1,24 @@
 //! Pyramidal Lucas–Kanade: sparse optical flow, coarse to fine.
 
+mod explain;
+
 use std::sync::{Arc, OnceLock};
 
-use crate::base::{Error, Mapped, Observer, Tally, Threads, words};
+use crate::base::{Error, Mapped, Observer, Tally, Threads};
 use crate::data::{Clip, Flow, Frame};
 use crate::geometry::{Grid, pyramid::halvings};
 use crate::methods::{
-    differential::{field, numbers, truth},
+    differential::{field, truth},
     features::{
-        LevelTrace, Trace, conclusion,
         follow::{self, Follow, LevelResult},
+        level_trace::case as tracking,
         tracker::Level,
     },
 };
 use crate::params::Spots;
 use crate::products::{Confidence, DenseField, Feature, Output, PointField, Product, ProductKind, Status};
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Keypoints, Need, Pointed, Progress, Seen, Stage};
-use crate::scene::{
-    Arrow, Chart, Fact, Focus, Levels, Picture, Question, Readout, Reply, Role, Scene, Sentence, Shape, Stack, Step,
-};
+use crate::scene::{Chart, Focus, Levels, Picture, Question, Reply, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 choices! {
@@ -88,6 +88,13 @@ struct Found {
     feature: Feature,
     /// The smaller eigenvalue of its structure tensor on level 0.
     certainty: f32,
+}
+
+impl Found {
+    fn new(at: [f32; 2], (displacement, result): ([f32; 2], Result<f32, Status>), smaller: Smaller) -> Self {
+        let feature = Feature::tracked(at, result.map(|residual| (displacement, residual)));
+        Self { feature, certainty: smaller.0 }
+    }
 }
 
 /// The constant part of a run.
@@ -207,16 +214,6 @@ fn grid((width, height): (usize, usize), most: usize) -> Vec<[f32; 2]> {
     along(height, spacing).flat_map(row).collect()
 }
 
-/// The result of a point as a feature.
-fn feature(at: [f32; 2], (displacement, result): ([f32; 2], Result<f32, Status>)) -> Feature {
-    match result {
-        Ok(residual) => {
-            Feature { at, displacement: Some(displacement), status: Status::Tracked, residual: Some(residual) }
-        }
-        Err(status) => Feature { at, displacement: None, status, residual: None },
-    }
-}
-
 pseudocode! {
     MAKE_PYRAMIDS: "build the pyramids of frames t and t+1; select points",
     EACH_POINT: "for each point x: g ← 0",
@@ -247,15 +244,12 @@ impl Estimator for PyramidalLucasKanade {
         Question::choice(
             "converged",
             "Does the next iteration converge?",
-            &[
-                Reply::says(line::UNTIL_CONVERGED, "converged", "Yes: its increment is shorter than ε"),
-                Reply::at(line::UPDATE, "No"),
-            ],
+            &[Reply::at(line::UNTIL_CONVERGED, "Yes: its increment is shorter than ε"), Reply::at(line::UPDATE, "No")],
         ),
         Question::choice(
             "lost",
             "Is the point tracked or lost?",
-            &[Reply::says(line::CHECK, "is lost", "Lost"), Reply::at(line::CHECK, "Tracked")],
+            &[Reply::told(line::CHECK, tracking::LOST, "Lost"), Reply::at(line::CHECK, "Tracked")],
         ),
     ];
     const GUARANTEE: Guarantee = Guarantee::Features { off_centi_px: 2 };
@@ -295,7 +289,7 @@ impl Estimator for PyramidalLucasKanade {
             match followed {
                 LevelResult::Guess(finer) => *guess = finer,
                 LevelResult::Done(displacement, result) => {
-                    done.push(Found { feature: feature(*at, (displacement, result)), certainty: smaller.0 });
+                    done.push(Found::new(*at, (displacement, result), smaller));
                     *guess = [0.0; 2];
                 }
             }
@@ -335,35 +329,18 @@ impl Estimator for PyramidalLucasKanade {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        let probe = self.probe(seen);
-        let line = match probe.as_ref().and_then(|probe| probe.trace.last()) {
-            None => line::MAKE_PYRAMIDS,
-            Some(follow::Event::Window(_)) => line::TAKE_TENSOR,
-            Some(follow::Event::Iteration { update, .. }) if self.follow().converges(*update) => line::UNTIL_CONVERGED,
-            Some(follow::Event::Iteration { .. }) => line::UPDATE,
-            Some(follow::Event::PassedDown(_, Some(Status::Flat)) | follow::Event::End(_, Err(Status::Flat))) => {
-                line::IS_SINGULAR
-            }
-            Some(follow::Event::PassedDown(..)) => line::HAND_ON,
-            Some(follow::Event::End(..)) => line::CHECK,
-        };
-        Step {
-            values: Vec::new(),
-            line,
-            sentence: self.sentence(seen, probe.as_ref()),
-            readouts: self.readouts(seen, probe.as_ref()),
-        }
+        self.explanation(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let state = seen.after.unwrap_or(seen.before);
         match self.points {
             Points::Dense => field::draw(state.field().flow.0, scene),
-            _ => draw_points(state, scene),
+            _ => explain::draw_points(state, scene),
         }
         let probe = self.probe(seen);
         if let Some(probe) = &probe {
-            probe.level_trace().draw([Picture::CURRENT, Picture::NEXT], scene);
+            probe.trace.level_trace().draw([Picture::CURRENT, Picture::NEXT], scene);
         }
         scene.levels = Some(state.fixed.shown(probe.map_or(0, |probe| probe.trace.level())));
     }
@@ -402,7 +379,7 @@ impl Estimator for PyramidalLucasKanade {
                     follow.through(fixed.pyramids(), at, &mut on_level)
                 }
             };
-            Found { feature: feature(at, result), certainty: smaller.0 }
+            Found::new(at, result, smaller)
         };
         let of_group = |index| fixed.group(index).iter().map(found).collect();
         state.found = threads.map_while(fixed.groups(), || clip.wanted(), of_group)?;
@@ -479,140 +456,5 @@ impl State {
         let values = Grid::from_fn(width, height, certainty);
         let confidence = Some(Confidence { name: "smaller_eigenvalue", values });
         DenseField { flow: Flow(Grid::from_fn(width, height, displacement)), confidence }
-    }
-}
-
-/// The inspected point: the one pointed at, else the current one.
-struct Probe<'a> {
-    /// Its index and its name.
-    index: usize,
-    name: String,
-    trace: Trace<'a>,
-}
-
-impl<'a> Probe<'a> {
-    fn level_trace(&self) -> LevelTrace<'a> {
-        self.trace.level_trace(self.name.clone())
-    }
-}
-
-impl PyramidalLucasKanade {
-    fn probe<'a>(&self, seen: &Seen<'a, Self>) -> Option<Probe<'a>> {
-        let (state, fixed) = (seen.before, &*seen.before.fixed);
-        let first = state.found.len() * fixed.group;
-        let at_work = match seen.events.last()? {
-            Event::Nothing => return None,
-            Event::Of(_) => first,
-            Event::Pixel => first + seen.events.len() - 1,
-        };
-        // Every point up to the current one can be inspected.
-        let pointed_at = seen.point().and_then(|place| {
-            let index = nearest(&fixed.points[..=at_work], place)?;
-            let reach = if self.points == Points::Dense { 0.5 } else { self.reach() as f32 + 0.5 };
-            let at = fixed.points[index];
-            (0..2).all(|i| (at[i] - place[i]).abs() <= reach).then_some(index)
-        });
-        let index = pointed_at.unwrap_or(at_work);
-        let at = fixed.points[index];
-        let level = if index < first { 0 } else { state.level };
-        let trace = Trace::new(self.follow(), fixed.pyramids(), at, level);
-        let is_in_steps = index == at_work && self.points != Points::Dense;
-        let trace = if is_in_steps { trace.until(seen.events.len()) } else { trace };
-        let name = match self.points {
-            Points::Dense => format!("Pixel {}", words::pixel((at[0] as usize, at[1] as usize))),
-            _ => format!("Point {}", index + 1),
-        };
-        Some(Probe { index, name, trace })
-    }
-
-    /// Adds the conclusion at the end of a run.
-    fn concluded(&self, seen: &Seen<Self>, sentence: Sentence) -> Sentence {
-        let (Some(after), None) = (seen.after, seen.point()) else { return sentence };
-        if after.found.len() < after.fixed.groups() {
-            return sentence;
-        }
-        let name = if self.points == Points::Dense { "pixels" } else { "points" };
-        let conclusion = conclusion(name, after.features(), after.fixed.truth.as_deref());
-        sentence.text(format!(" End of the run: {conclusion}"))
-    }
-
-    fn sentence(&self, seen: &Seen<Self>, probe: Option<&Probe>) -> Sentence {
-        let fixed = &seen.before.fixed;
-        match (probe, seen.events.is_empty()) {
-            (Some(probe), _) => self.concluded(seen, probe.level_trace().sentence()),
-            (None, false) => Sentence::default().text(match self.points {
-                Points::Clicks => {
-                    "No clicked points in this frame, so nothing to track. Click on the frame to add points."
-                }
-                _ => "The detector finds no keypoints in this frame, so nothing to track. Lower its threshold.",
-            }),
-            (None, true) => {
-                let said = Sentence::default().text(match self.points {
-                    Points::Dense => "Every pixel is tracked, row by row".to_owned(),
-                    _ => format!(
-                        "{} tracked",
-                        match fixed.points.len() {
-                            1 => "1 point is".to_owned(),
-                            count => format!("{count} points are"),
-                        }
-                    ),
-                });
-                match fixed.levels[0].len() {
-                    1 => said.text(" at full resolution only, so only small motion is within reach of the linearisation."),
-                    levels => said.text(format!(
-                        " from the coarsest of {levels} levels to full resolution. Motion too large for the linearisation is small on \
-                         coarse levels."
-                    )),
-                }
-            }
-        }
-    }
-
-    fn readouts(&self, seen: &Seen<Self>, probe: Option<&Probe>) -> Vec<Readout> {
-        let (fixed, count) = (&seen.before.fixed, seen.before.fixed.points.len());
-        let fact = |label, value: String, role| Fact::new(label, value, role);
-        let Some(probe) = probe else {
-            let points = || vec![Readout::Facts(vec![fact("Points", count.to_string(), None)])];
-            return if seen.events.is_empty() { Vec::new() } else { points() };
-        };
-        let (point, level_trace) = (probe.trace.at, probe.level_trace());
-        let mut facts = vec![match self.points {
-            Points::Dense => fact("Pixel", words::pixel((point[0] as usize, point[1] as usize)), Some(Role::Reference)),
-            _ => {
-                let place = format!("{} of {count} at {}", probe.index + 1, numbers::vector(point));
-                fact("Point", place, Some(Role::Reference))
-            }
-        }];
-        facts.extend(level_trace.facts());
-        let truth = fixed.truth.as_ref().and_then(|truth| truth.at(point[0] as usize, point[1] as usize));
-        facts.extend(
-            truth.map(|truth| fact("True displacement", format!("{} px", numbers::vector(truth)), Some(Role::Truth))),
-        );
-        let stack = Stack { levels: fixed.shown(probe.trace.level()), floors: probe.trace.floors() };
-        [vec![Readout::Facts(facts)], level_trace.readouts(truth), vec![Readout::Stack(stack)]].concat()
-    }
-}
-
-fn draw_points(state: &State, scene: &mut Scene) {
-    let tracked = state.features().filter_map(|point| {
-        let [u, v] = point.displacement?;
-        Some(Arrow { from: point.at, to: [point.at[0] + u, point.at[1] + v] })
-    });
-    let lost = state.features().filter(|point| point.displacement.is_none()).map(|point| point.at);
-    let mut points = |role, meaning, places: Vec<[f32; 2]>| {
-        if !places.is_empty() {
-            scene.mark(Picture::CURRENT, role, Shape::Points(places));
-            scene.legend(role, meaning);
-        }
-    };
-    points(Role::Measured, "point, not yet tracked", state.fixed.points[state.found.len()..].to_vec());
-    points(Role::Rejected, "lost", lost.collect());
-    let tracked: Vec<_> = tracked.collect();
-    if !tracked.is_empty() {
-        scene.mark(Picture::CURRENT, Role::Result, Shape::Arrows(tracked));
-        scene.legend(Role::Result, "displacement to frame t+1");
-    }
-    if state.fixed.points.is_empty() {
-        scene.legend(Role::Rejected, "no points");
     }
 }

@@ -2,12 +2,12 @@
 
 use crate::base::Threads;
 use crate::methods::{
-    differential::{Advice, Linear, explain, numbers},
-    variational::{Dual, Explanation, Model, Probe, Settings, Warp, primal_dual},
+    differential::{Advice, Linear, explain},
+    variational::{Dual, Explanation, Model, Probe, Settings, Warp, primal_dual, value as variational},
 };
 use crate::run::{Guarantee, Info};
-use crate::scene::{Fact, Math, Name, Question, Reply, Role, Sentence};
-use crate::{cases, params, pseudocode};
+use crate::scene::{Case, Name, Question, Reply, Role, Step, Unit};
+use crate::{cases, params, pseudocode, variables};
 
 params! {
     /// TV-L1, which minimises the energy ∫∫ λ |I_x u + I_y v + I_t| + |∇u| + |∇v|. Neither term is squared, so outliers of the
@@ -30,7 +30,70 @@ params! {
 const THRESHOLDED: usize = 0;
 const UPDATED: usize = 1;
 
-cases! {
+/// A multiple of the image gradient.
+const MULTIPLE: Unit = Unit::new("px² per gray level", 4);
+
+variables! {
+    /// The residual of the gradient constraint before the iteration.
+    RESIDUAL: "Residual ρ", r"\rho", Unit::GRAY;
+    /// The step to the constraint line, in multiples of the image gradient.
+    WHOLE_STEP: "", r"|\rho| / |\nabla I|^2", MULTIPLE;
+    /// The largest step.
+    THRESHOLD: "", r"\lambda \theta", MULTIPLE;
+    /// The clipped step, in multiples of the image gradient.
+    STEP: "", "s", MULTIPLE;
+    /// The auxiliary flow of the data term.
+    AUXILIARY_FLOW: "", "f", Unit::SUBPIXEL, Role::Predicted;
+    /// The coupling between the flow and the auxiliary flow.
+    THETA: "", r"\theta", Unit::FINE;
+    /// The divergences of p_u and p_v.
+    DIVERGENCE: "", r"(\text{div }p_u, \text{div }p_v)", Unit::RATIO;
+    /// The step size of the dual update.
+    RATE: "", r"\tau / \theta", Unit::RATIO;
+    /// The dual variable of u.
+    P_U: "p_u, p_v", "p_u", Unit::RATIO;
+    /// The dual variable of v.
+    P_V: "", "p_v", Unit::RATIO;
+    /// The dual variable of u before the iteration.
+    P_U_BEFORE: "", "", Unit::RATIO;
+    /// The dual variable of v before the iteration.
+    P_V_BEFORE: "", "", Unit::RATIO;
+    /// The gradient of u after the update of the flow.
+    GRADIENT_U: "", r"\nabla u", Unit::RATIO;
+    /// The gradient of v after the update of the flow.
+    GRADIENT_V: "", r"\nabla v", Unit::RATIO;
+    /// The magnitude of the gradient of u.
+    SLOPE_U: "", r"|\nabla u|", Unit::SUBPIXEL;
+    /// The magnitude of the gradient of v.
+    SLOPE_V: "", r"|\nabla v|", Unit::SUBPIXEL;
+    /// The length of p_u.
+    LENGTH_U: "", "|p_u|", Unit::RATIO;
+    /// The length of p_v.
+    LENGTH_V: "", "|p_v|", Unit::RATIO;
+}
+
+cases! { over value, explain::value, variational;
+    OPENING: "The energy sums λ times the absolute residual of the gradient constraint (L1 data term) and the total \
+              variation of u and v. Neither is squared, so outliers such as occlusions lose influence, and a sharp motion \
+              boundary costs no more than a gradual one.",
+    NO_STEP: "{residual}, no constraint",
+    WHOLE_STEP: "{residual}, step to the constraint line",
+    CLIPPED_ABOVE: "{residual}, step clipped at λ θ",
+    CLIPPED_BELOW: "{residual}, step clipped at −λ θ",
+    DUAL_VARIABLES: "{p_u}, {p_v}",
+    THRESHOLDING: "Thresholding at {reference|pixel} {pixel}:",
+    UNKNOWN: "(u₀, v₀) leads out of frame t+1, so there is no constraint and the auxiliary flow stays at f = {auxiliary_flow}.",
+    NO_GRADIENT: "without gradient the constraint allows any flow, so the auxiliary flow stays at f = {auxiliary_flow}.",
+    SATISFIED: "the flow satisfies the constraint exactly, so the auxiliary flow stays at f = {auxiliary_flow}.",
+    RESIDUAL: "ρ = {residual}. |ρ| / |∇I|² = {whole_step:bare}",
+    MOVES: "is within λ θ = {threshold:bare}, so the auxiliary flow moves all the way to the constraint line: f = {auxiliary_flow}.",
+    CLIPPED: "exceeds λ θ = {threshold:bare}, so the step is clipped there, as for an outlier of the L1 data term: f = {auxiliary_flow}.",
+    UPDATED: "Update of {reference|pixel} {pixel}: (u, v) = f + θ (div p_u, div p_v), with divergences {divergence}, gives {flow_after}. \
+              This step smooths the flow; |p| ≤ 1 limits the smoothing, however large the jump of the flow.",
+    DUAL_UPDATE: "Dual update at {reference|pixel} {pixel}: p_u follows ∇u, p_v follows ∇v; |∇u| = {slope_u:bare} and |∇v| = {slope_v}. \
+                  |p_u| = {length_u} and |p_v| = {length_v}:",
+    SATURATED: "close to 1, where total variation accepts a flow discontinuity.",
+    INSIDE: "inside the unit ball, so total variation still smooths here; |p| = 1 marks a flow discontinuity.",
     ADVISE_TEXTURE: "A smaller λ and more iterations carry flow in from textured neighbours.",
     ADVISE_BOUNDARY: "More warps and iterations sharpen the boundary. Occluded pixels have no match; the forward–backward check shows them.",
     ADVISE_MOTION: "More pyramid levels and warps would reach this motion.",
@@ -66,16 +129,14 @@ impl Model for TvL1 {
         "thresholding",
         "How far toward the constraint line does thresholding move the auxiliary flow?",
         &[
-            Reply::says(line::FIT_DATA, "all the way", "All the way"),
-            Reply::says(line::FIT_DATA, "is clipped", "Part of the way: the step is clipped"),
-            Reply::says(line::FIT_DATA, "there is no constraint", "Not at all: there is no constraint"),
+            Reply::told(line::FIT_DATA, case::MOVES, "All the way"),
+            Reply::told(line::FIT_DATA, case::CLIPPED, "Part of the way: the step is clipped"),
+            Reply::told(line::FIT_DATA, case::UNKNOWN, "Not at all: there is no constraint"),
         ],
     )];
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 5 };
     const ENERGY_UNIT: &'static str = "px";
-    const OPENING: &'static str = "The energy sums λ times the absolute residual of the gradient constraint (L1 data term) and \
-                                   the total variation of u and v. Neither is squared, so outliers such as occlusions lose \
-                                   influence, and a sharp motion boundary costs no more than a gradual one.";
+    const OPENING: &'static Case = case::OPENING;
     const ADVICE: Advice =
         Advice { texture: case::ADVISE_TEXTURE, boundary: case::ADVISE_BOUNDARY, motion: case::ADVISE_MOTION };
     const SYSTEM_PARTS: usize = 0;
@@ -103,19 +164,17 @@ impl Model for TvL1 {
         primal_dual::energy(&warp.linear, self.lambda, &at.field)
     }
 
-    fn explanation(&self, step: usize, probe: &Probe<Self>) -> Explanation {
+    fn explanation(&self, index: usize, probe: &Probe<Self>, step: Step) -> Explanation {
         let pixel = Pixel::of(self, probe);
         let mut points = vec![("auxiliary flow f", Role::Predicted, pixel.fitted), ("after", Role::Result, probe.to())];
-        if step == THRESHOLDED {
+        if index == THRESHOLDED {
             points.pop();
         }
         Explanation {
-            sentence: pixel.sentence(self, step, probe),
-            facts: pixel.facts(step),
-            equation: pixel.equation(self, step, probe),
+            step: pixel.tell(self, index, probe, step),
             points,
             lines: explain::line(probe.factors(), 1.0, Role::Candidate).into_iter().collect(),
-            energy: pixel.energy(self, step, probe),
+            energy: pixel.energy(self, index, probe),
         }
     }
 }
@@ -128,11 +187,6 @@ impl TvL1 {
 
 /// |p| from which a dual variable counts as saturated.
 const DISCONTINUITY: f32 = 0.95;
-
-/// A multiple of the gradient, in px² per gray level.
-fn multiple(value: f32) -> String {
-    numbers::fixed(value, 4)
-}
 
 /// An iteration at a pixel, in numbers.
 struct Pixel {
@@ -171,163 +225,83 @@ impl Pixel {
         }
     }
 
-    fn sentence(&self, model: &TvL1, step: usize, probe: &Probe<TvL1>) -> Sentence {
-        let said = Sentence::default();
-        let off = numbers::gray(self.off);
-        match step {
+    /// Explains the step `index` of the iteration.
+    fn tell(&self, model: &TvL1, index: usize, probe: &Probe<TvL1>, step: Step) -> Step {
+        let kind = match self.step {
+            _ if self.is_flat => case::NO_STEP,
+            step if step == self.whole => case::WHOLE_STEP,
+            step if step > 0.0 => case::CLIPPED_ABOVE,
+            _ => case::CLIPPED_BELOW,
+        };
+        let ([before, after], weights) = (self.p, model.weights());
+        let [p_u, p_v] = if index > UPDATED { after } else { before };
+        let step = match probe.is_known() {
+            true => step.fact_as(value::RESIDUAL.is(self.off), kind),
+            false => step,
+        };
+        let step = step.put(value::P_V, p_v).fact_as(value::P_U.is(p_u), case::DUAL_VARIABLES);
+        let step = step.put_value(probe.px(value::AUXILIARY_FLOW, self.fitted));
+        match index {
             THRESHOLDED => {
-                let (most, whole) = (multiple(model.weights().most), multiple(self.whole.abs()));
-                let said = said.text("Thresholding at ").ink(Role::Reference, probe.pixel());
-                let why = if !probe.is_known() {
-                    ": (u₀, v₀) leads out of frame t+1, so there is no constraint and the auxiliary flow stays at f = "
-                        .to_owned()
-                } else if self.is_flat {
-                    ": without gradient the constraint allows any flow, so the auxiliary flow stays at f = ".to_owned()
-                } else if self.off == 0.0 {
-                    ": the flow satisfies the constraint exactly, so the auxiliary flow stays at f = ".to_owned()
-                } else if self.step == self.whole {
-                    format!(
-                        ": ρ = {off} gray levels. |ρ| / |∇I|² = {whole} is within λ θ = {most}, so the auxiliary flow moves all \
-                         the way to the constraint line: f = "
-                    )
-                } else {
-                    format!(
-                        ": ρ = {off} gray levels. |ρ| / |∇I|² = {whole} exceeds λ θ = {most}, so the step is clipped there, as \
-                         for an outlier of the L1 data term: f = "
-                    )
-                };
-                said.text(why).ink(Role::Predicted, probe.px(self.fitted)).text(".")
+                let step = step.put(value::THRESHOLD, weights.most).put(value::STEP, self.step);
+                self.thresholded(probe, step.put(value::WHOLE_STEP, self.whole.abs()).say(case::THRESHOLDING))
             }
-            UPDATED => said
-                .text("Update of ")
-                .ink(Role::Reference, probe.pixel())
-                .text(format!(
-                    ": (u, v) = f + θ (div p_u, div p_v), with divergences {}, gives ",
-                    numbers::vector(self.divergence)
-                ))
-                .ink(Role::Result, probe.px(probe.to()))
-                .text(
-                    ". This step smooths the flow; |p| ≤ 1 limits the smoothing, however large the jump of the flow.",
-                ),
+            UPDATED => step
+                .put(value::THETA, model.theta)
+                .put(value::DIVERGENCE, self.divergence)
+                .put_value(probe.px(variational::FLOW_AFTER, probe.to()))
+                .say(case::UPDATED)
+                .formula(r"u = u_f + \theta \text{ div }p_u = {auxiliary_flow:1} + {theta} \cdot {divergence:1} = {flow_after:1}")
+                .formula(r"v = v_f + \theta \text{ div }p_v = {auxiliary_flow:2} + {theta} \cdot {divergence:2} = {flow_after:2}"),
             _ => {
-                let [u, v] = self.gradients.map(|g| numbers::px(g[0].hypot(g[1])));
-                let lengths = self.p[1].map(|p| p[0].hypot(p[1]));
-                let [long_u, long_v] = lengths.map(numbers::px);
-                let meaning = match lengths.iter().any(|length| *length >= DISCONTINUITY) {
-                    true => "close to 1, where total variation accepts a flow discontinuity",
-                    false => {
-                        "inside the unit ball, so total variation still smooths here; |p| = 1 marks a flow discontinuity"
-                    }
-                };
-                said.text("Dual update at ").ink(Role::Reference, probe.pixel()).text(format!(
-                    ": p_u follows ∇u, p_v follows ∇v; |∇u| = {u} and |∇v| = {v} {}. |p_u| = {long_u} and |p_v| = {long_v}: {meaning}.",
-                    probe.unit()
-                ))
+                let [slope_u, slope_v] = self.gradients.map(|[x, y]| x.hypot(y));
+                let [length_u, length_v] = after.map(|[x, y]| x.hypot(y));
+                let is_saturated = length_u.max(length_v) >= DISCONTINUITY;
+                let step = step.put(value::RATE, weights.rate).put(value::P_U_BEFORE, before[0]);
+                let step = step.put(value::P_V_BEFORE, before[1]).put(value::GRADIENT_U, self.gradients[0]);
+                let step = step.put(value::GRADIENT_V, self.gradients[1]).put(value::SLOPE_U, slope_u);
+                let step = step.put_value(value::SLOPE_V.is(slope_v).in_unit(probe.unit()));
+                let step = step.put(value::LENGTH_U, length_u).put(value::LENGTH_V, length_v);
+                step.say(case::DUAL_UPDATE)
+                    .say(if is_saturated { case::SATURATED } else { case::INSIDE })
+                    .formula(r"p_u \gets \frac{p_u + \frac{\tau}{\theta} \nabla u}{1 + \frac{\tau}{\theta} |\nabla u|}")
+                    .formula(r"= \frac{{p_u_before} + {rate} \cdot {gradient_u}}{1 + {rate} \cdot {slope_u}} = {p_u}")
+                    .formula(r"p_v \gets \frac{p_v + \frac{\tau}{\theta} \nabla v}{1 + \frac{\tau}{\theta} |\nabla v|}")
+                    .formula(r"= \frac{{p_v_before} + {rate} \cdot {gradient_v}}{1 + {rate} \cdot {slope_v}} = {p_v}")
             }
         }
+    }
+
+    /// Tells how far thresholding moves the auxiliary flow, and writes its step.
+    fn thresholded(&self, probe: &Probe<TvL1>, step: Step) -> Step {
+        let step = match () {
+            () if !probe.is_known() => step.say(case::UNKNOWN),
+            () if self.is_flat => step.say(case::NO_GRADIENT),
+            () if self.off == 0.0 => step.say(case::SATISFIED),
+            () if self.step == self.whole => step.say(case::RESIDUAL).say(case::MOVES),
+            () => step.say(case::RESIDUAL).say(case::CLIPPED),
+        };
+        let (step, constant) = match probe.start() {
+            Some(_) => (probe.iteration.warp.linear.define(step, probe.place, probe.unit()), "c"),
+            None => (step, "I_t"),
+        };
+        if !probe.is_known() {
+            return step.formula("f = (u, v) = {auxiliary_flow}");
+        }
+        step.formula(format!(r"\rho = I_x u + I_y v + {constant} = {{residual}}"))
+            .formula(r"s = \frac{\rho}{|\nabla I|^2} \text{ clipped to ±}{threshold} = {step}")
+            .formula(r"u_f = u - s I_x = {flow_before:1} - {step} \cdot {i_x} = {auxiliary_flow:1}")
+            .formula(r"v_f = v - s I_y = {flow_before:2} - {step} \cdot {i_y} = {auxiliary_flow:2}")
     }
 
     /// The energy that a step minimises over the auxiliary flow, or over the flow; none of the dual update, which leaves both.
-    fn energy(&self, model: &TvL1, step: usize, probe: &Probe<TvL1>) -> Option<Box<dyn Fn([f32; 2]) -> f32>> {
-        let theta = model.theta;
-        match step {
-            THRESHOLDED => Some(Box::new(data_energy((model.lambda, theta), probe.factors(), probe.from()))),
+    fn energy(&self, model: &TvL1, index: usize, probe: &Probe<TvL1>) -> Option<Box<dyn Fn([f32; 2]) -> f32>> {
+        let TvL1 { lambda, theta, .. } = *model;
+        match index {
+            THRESHOLDED => Some(Box::new(data_energy((lambda, theta), probe.factors(), probe.from()))),
             UPDATED => Some(Box::new(smoothing_energy(theta, self.fitted, self.divergence))),
             _ => None,
         }
-    }
-
-    fn facts(&self, step: usize) -> Vec<Fact> {
-        let fact = |label, value: String, role| Fact::new(label, value, role);
-        let case = match self.step {
-            _ if self.is_flat => "no constraint",
-            step if step == self.whole => "step to the constraint line",
-            step if step > 0.0 => "step clipped at λ θ",
-            _ => "step clipped at −λ θ",
-        };
-        let [u, v] = self.p[usize::from(step > UPDATED)].map(numbers::vector);
-        vec![
-            fact("Residual ρ", format!("{} gray levels, {case}", numbers::gray(self.off)), None),
-            fact("p_u, p_v", format!("{u}, {v}"), None),
-        ]
-    }
-
-    fn equation(&self, model: &TvL1, step: usize, probe: &Probe<TvL1>) -> Vec<Math> {
-        let to = probe.to();
-        match step {
-            THRESHOLDED => self.fitting(model, probe),
-            UPDATED => [("u", 0), ("v", 1)]
-                .into_iter()
-                .flat_map(|(name, i)| {
-                    smoothing(
-                        model,
-                        name,
-                        Smoothing { fitted: self.fitted[i], divergence: self.divergence[i], to: to[i] },
-                    )
-                })
-                .collect(),
-            _ => [("u", 0), ("v", 1)]
-                .into_iter()
-                .flat_map(|(name, i)| {
-                    dual_update(
-                        model,
-                        name,
-                        DualUpdate { from: self.p[0][i], gradient: self.gradients[i], to: self.p[1][i] },
-                    )
-                })
-                .collect(),
-        }
-    }
-
-    /// Returns (u_f, v_f) = (u, v) − s ∇I, in symbols and numbers.
-    fn fitting(&self, model: &TvL1, probe: &Probe<TvL1>) -> Vec<Math> {
-        let ([a, b, _], [u, v]) = (probe.factors(), probe.from());
-        let fitted = |name| Math::indexed(Math::Var(name), Math::Var("f"));
-        let gradient = || Math::Row(vec![Math::text("∇"), Math::Var("I")]);
-        let share = Math::Frac(
-            Box::new(Math::Var("ρ")),
-            Box::new(Math::power(Math::Abs(Box::new(gradient())), Math::text("2"))),
-        );
-        let off = Math::Row(vec![
-            Math::Var("ρ"),
-            Math::text(" = "),
-            explain::derivative("x"),
-            Math::text(" "),
-            Math::Var("u"),
-            Math::text(" + "),
-            explain::derivative("y"),
-            Math::text(" "),
-            Math::Var("v"),
-            Math::text(" + "),
-            probe.rest(),
-            Math::text(format!(" = {}", numbers::gray(self.off))),
-        ]);
-        let step = Math::Row(vec![
-            Math::Var("s"),
-            Math::text(" = "),
-            share,
-            Math::text(format!(" clipped to ±{} = ", multiple(model.weights().most))),
-            Math::text(multiple(self.step)),
-        ]);
-        let line = |name: &'static str, from: f32, along: &'static str, gradient: f32, to: f32| {
-            Math::Row(vec![
-                fitted(name),
-                Math::text(" = "),
-                Math::Var(name),
-                Math::text(" − "),
-                Math::Var("s"),
-                Math::text(" "),
-                explain::derivative(along),
-                Math::text(" = "),
-                Math::ink(Role::Best, numbers::px(from)),
-                Math::text(format!(" − {} · ", numbers::factor(multiple(self.step)))),
-                Math::ink(Role::Reference, numbers::factor(numbers::gray(gradient))),
-                Math::text(" = "),
-                Math::ink(Role::Predicted, numbers::px(to)),
-            ])
-        };
-        let lines = [line("u", u, "x", a, self.fitted[0]), line("v", v, "y", b, self.fitted[1])];
-        probe.definition().into_iter().chain([off, step]).chain(lines).collect()
     }
 }
 
@@ -342,66 +316,6 @@ fn smoothing_energy(theta: f32, fitted: [f32; 2], divergence: [f32; 2]) -> impl 
         let apart = (u - fitted[0]).powi(2) + (v - fitted[1]).powi(2);
         apart / (2.0 * theta) - u * divergence[0] - v * divergence[1]
     }
-}
-
-/// The dual variable p_u or p_v.
-fn dual(name: &'static str) -> Math {
-    Math::indexed(Math::Var("p"), Math::Var(name))
-}
-
-/// One component of the flow after the data term was fitted, the divergence of its dual variable, and their sum.
-struct Smoothing {
-    fitted: f32,
-    divergence: f32,
-    to: f32,
-}
-
-/// u = u_f + θ div p, in symbols and numbers.
-fn smoothing(model: &TvL1, name: &'static str, Smoothing { fitted, divergence, to }: Smoothing) -> [Math; 1] {
-    [Math::Row(vec![
-        Math::Var(name),
-        Math::text(" = "),
-        Math::indexed(Math::Var(name), Math::Var("f")),
-        Math::text(" + "),
-        Math::Var("θ"),
-        Math::text(" div "),
-        dual(name),
-        Math::text(" = "),
-        Math::ink(Role::Predicted, numbers::px(fitted)),
-        Math::text(format!(" + {} · {} = ", numbers::gray(model.theta), numbers::factor(numbers::px(divergence)))),
-        Math::ink(Role::Result, numbers::px(to)),
-    ])]
-}
-
-/// The dual variable of one component of the flow before and after its update, and the gradient of the component.
-struct DualUpdate {
-    from: [f32; 2],
-    gradient: [f32; 2],
-    to: [f32; 2],
-}
-
-/// The dual update of one flow component, in symbols and numbers.
-fn dual_update(model: &TvL1, name: &'static str, DualUpdate { from, gradient, to }: DualUpdate) -> [Math; 2] {
-    let rate = || Math::Frac(Box::new(Math::Var("τ")), Box::new(Math::Var("θ")));
-    let gradient_of = || Math::Row(vec![Math::text("∇"), Math::Var(name)]);
-    let top = vec![dual(name), Math::text(" + "), rate(), Math::text(" "), gradient_of()];
-    let bottom = vec![Math::text("1 + "), rate(), Math::text(" "), Math::Abs(Box::new(gradient_of()))];
-    let times = numbers::px(model.tau / model.theta);
-    let top_numbers = format!("{} + {times} · {}", numbers::vector(from), numbers::vector(gradient));
-    let bottom_numbers = format!("1 + {times} · {}", numbers::px(gradient[0].hypot(gradient[1])));
-    [
-        Math::Row(vec![
-            dual(name),
-            Math::text(" ← "),
-            Math::Frac(Box::new(Math::Row(top)), Box::new(Math::Row(bottom))),
-        ]),
-        Math::Row(vec![
-            Math::text("= "),
-            Math::Frac(Box::new(Math::text(top_numbers)), Box::new(Math::text(bottom_numbers))),
-            Math::text(" = "),
-            Math::text(numbers::vector(to)),
-        ]),
-    ]
 }
 
 #[cfg(test)]

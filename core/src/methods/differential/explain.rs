@@ -1,11 +1,11 @@
 //! Formulas, facts and image patches that explain derivatives and gradient constraints.
 
-use super::numbers::{PX_DECIMALS, factor, fixed, gray};
+use super::numbers::PX_DECIMALS;
 use super::{Derivatives, Linear};
 use crate::base::words;
 use crate::geometry::{Grid, Sampling};
-use crate::scene::{Constraint, Fact, Math, Role, Section, Step, Tile, Unit, Value};
-use crate::variables;
+use crate::scene::{Constraint, Role, Section, Step, Tile, Unit};
+use crate::{cases, variables};
 
 /// The unit of an image gradient.
 pub const GRADIENT_UNIT: Unit = Unit::new("gray levels per px", 2);
@@ -23,18 +23,45 @@ variables! { pub mod value;
     I_T: "", "I_t", Unit::new("gray levels per frame", 2), Role::Reference;
     /// The magnitude of the image gradient at the pixel.
     GRADIENT: "Gradient |∇I|", r"|\nabla I|", GRADIENT_UNIT;
+    /// The larger eigenvalue of the structure tensor of the window, in (gray levels per px)².
+    LAMBDA_1: "Eigenvalues λ₁, λ₂", r"\lambda_1", Unit::FINE;
+    /// The smaller eigenvalue of the structure tensor of the window, in (gray levels per px)².
+    LAMBDA_2: "Smaller eigenvalue λ₂", r"\lambda_2", Unit::FINE;
+    /// The smallest accepted eigenvalue λ₂ of the structure tensor.
+    MIN_EIGENVALUE: "", r"\lambda_{\min}", Unit::FINE;
     /// The true flow at the pixel.
     TRUE_FLOW: "True flow", "", Unit::SUBPIXEL, Role::Truth;
+    /// The flow at which the gradient constraint is linearised.
+    START: "Linearised at (u₀, v₀)", "(u_0, v_0)", Unit::SUBPIXEL;
+    /// The constant term of the linearised gradient constraint.
+    CONSTANT_TERM: "", "c", I_T.unit, Role::Reference;
+    /// The level of the pyramid; 0 is full resolution.
+    LEVEL: "Level", "", Unit::WHOLE;
+    /// The coarsest level of the pyramid.
+    COARSEST_LEVEL: "", "", Unit::WHOLE;
+    /// The width of the level in its pixels.
+    WIDTH: "", "", Unit::WHOLE;
+    /// The height of the level in its pixels.
+    HEIGHT: "", "", Unit::new("px", 0);
+    /// The number of the iteration.
+    ITERATION: "Iteration", "", Unit::WHOLE;
+    /// The largest number of iterations.
+    ITERATIONS: "", "", Unit::WHOLE;
+    /// The mean change of the flow in the iteration.
+    MEAN_CHANGE: "Mean change", "", Unit::SUBPIXEL;
+    /// The mean endpoint error of the flow after the iteration, in px of level 0.
+    ITERATION_ERROR: "Mean endpoint error", "", Unit::SUBPIXEL, Role::Error;
+}
+
+cases! { pub over value;
+    LEVEL: "{level} ({coarsest_level} is the coarsest), {width}×{height}",
+    ITERATION: "{iteration} of {iterations}",
+    MEAN_CHANGE: "Mean change of the iteration: {mean_change}.",
 }
 
 /// Adds the gradient constraint of a step with derivatives, in symbols and with their numbers.
 pub fn constraint(step: Step) -> Step {
     step.formula("I_x u + I_y v + I_t = 0").formula("{i_x} u {i_y:signed} v {i_t:signed} = 0")
-}
-
-/// I_x, I_y or I_t as a formula.
-pub fn derivative(along: &'static str) -> Math {
-    Math::indexed(Math::Var("I"), Math::Var(along))
 }
 
 /// The decimals of derivatives in a formula: one more where any is below 1, so that the shown numbers give the shown result.
@@ -141,14 +168,7 @@ impl Derivatives {
 
     /// Puts the derivatives of a pixel.
     pub fn put(&self, step: Step, place: (usize, usize)) -> Step {
-        let all = self.at(place);
-        let shown = |value: Value| {
-            let unit = value.unit.name;
-            value.in_unit(Unit::new(unit, decimals(all) as u8))
-        };
-        let step = step.fact(value::PIXEL, place).fact(value::DERIVATIVES, all);
-        let parts = [value::I_X, value::I_Y, value::I_T].into_iter().zip(all);
-        parts.fold(step, |step, (of, derivative)| step.put_value(shown(of.is(derivative))))
+        put_derivatives(step, place, self.at(place))
     }
 
     /// Returns patches of both frames and their derivatives within `radius` px of a pixel.
@@ -160,9 +180,9 @@ impl Derivatives {
 }
 
 impl Linear {
-    /// Returns a fact with I_x, I_y and I_t of a pixel.
-    pub fn fact(&self, place: (usize, usize)) -> Fact {
-        derivatives_fact(self.derivatives(place))
+    /// Puts the derivatives of a pixel.
+    pub fn put(&self, step: Step, place: (usize, usize)) -> Step {
+        put_derivatives(step, place, self.derivatives(place))
     }
 
     /// Returns patches of frame t, the warped frame t + 1 and their derivatives within `radius` px of a pixel.
@@ -178,55 +198,41 @@ impl Linear {
         derivative_tiles(pictures, [0, 1, 2].map(part))
     }
 
-    /// Returns c, which replaces I_t after warping: in symbols, and with the numbers of a pixel.
-    pub fn definition(&self, place: (usize, usize), role: Role) -> [Math; 2] {
-        let ([x, y, t], [u, v]) = (self.derivatives(place), self.start.at(place.0, place.1));
-        let zero = |name| Math::indexed(Math::Var(name), Math::text("0"));
-        let symbols = Math::Row(vec![
-            Math::Var("c"),
-            Math::text(" = "),
-            derivative("t"),
-            Math::text(" − "),
-            derivative("x"),
-            Math::text(" "),
-            zero("u"),
-            Math::text(" − "),
-            derivative("y"),
-            Math::text(" "),
-            zero("v"),
-        ]);
-        if !t.is_finite() {
-            return [symbols, Math::text("unknown: (u₀, v₀) leads out of frame t+1")];
+    /// Writes c, which replaces I_t after warping, in symbols and with the numbers of a pixel; displacements have `unit`.
+    pub fn define(&self, step: Step, place: (usize, usize), unit: Unit) -> Step {
+        let (all, start) = (self.derivatives(place), self.start.at(place.0, place.1));
+        let (step, few) = (step.formula("c = I_t - I_x u_0 - I_y v_0"), decimals(all));
+        if !self.factors.is_known(place) {
+            return step.formula(r"\text{unknown: (u₀, v₀) leads out of frame t+1}");
         }
-        let (few, c) = (decimals([x, y, t]), self.factors.at(place)[2]);
-        let further = words::further_digits(|further| {
-            let [x, y, t] = [x, y, t].map(|of| words::rounded(of.into(), few + further));
-            let [u, v] = [u, v].map(|of| words::rounded(of.into(), PX_DECIMALS + further));
-            words::fixed(t - x * u - y * v, few) == fixed(c, few)
-        });
-        let shown = |of: f32| fixed(of, few + further);
-        let times = |a: f32, b: f32| {
-            Math::ink(role, format!("{} · {}", factor(shown(a)), factor(fixed(b, PX_DECIMALS + further))))
+        let constant = |c: f64| value::CONSTANT_TERM.is(c).in_unit(Unit::new(value::I_T.unit.name, few as u8));
+        let written = |further: usize| {
+            let [x, y, t] = all.map(|of| words::rounded(of.into(), few + further));
+            let [u, v] = start.map(|of| words::rounded(of.into(), PX_DECIMALS + further));
+            constant(t - x * u - y * v).bare()
         };
-        let numbers = Math::Row(vec![
-            Math::text("= "),
-            Math::ink(role, shown(t)),
-            Math::text(" − "),
-            times(x, u),
-            Math::text(" − "),
-            times(y, v),
-            Math::text(" = "),
-            Math::ink(role, fixed(c, few)),
-        ]);
-        [symbols, numbers]
+        let c = constant(self.factors.at(place)[2].into());
+        let further = words::further_digits(|further| written(*further) == c.bare());
+        let step = put_parts(step, all, few + further).put_value(c);
+        let step = step.put_value(value::START.is(start).in_unit(unit.finer(further as u8)));
+        step.formula(r"= {i_t} - {i_x} \cdot {start:1} - {i_y} \cdot {start:2} = {constant_term}")
     }
 }
 
-fn derivatives_fact(derivatives: [f32; 3]) -> Fact {
-    let [x, y, t] = derivatives.map(gray);
-    let is_known = derivatives.iter().all(|d| d.is_finite());
-    let value = if is_known { format!("{x}, {y}, {t}") } else { "unknown: the flow leads out of frame t+1".into() };
-    Fact::new("I_x, I_y, I_t", value, None)
+/// Puts pixel and derivatives, which are NaN where they are unknown.
+fn put_derivatives(step: Step, place: (usize, usize), all: [f32; 3]) -> Step {
+    let step = step.fact(value::PIXEL, place);
+    if all.iter().any(|d| !d.is_finite()) {
+        return step.fact(value::DERIVATIVES, "unknown: the flow leads out of frame t+1");
+    }
+    put_parts(step.fact(value::DERIVATIVES, all), all, decimals(all))
+}
+
+/// Puts I_x, I_y and I_t one by one.
+fn put_parts(step: Step, all: [f32; 3], decimals: usize) -> Step {
+    [value::I_X, value::I_Y, value::I_T].into_iter().zip(all).fold(step, |step, (of, derivative)| {
+        step.put_value(of.is(derivative).in_unit(Unit::new(of.unit.name, decimals as u8)))
+    })
 }
 
 fn derivative_tiles(pictures: [(&'static str, Grid<f32>); 2], [x, y, t]: [Grid<f32>; 3]) -> Vec<Tile> {

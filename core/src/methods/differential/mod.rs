@@ -20,5 +20,5 @@ pub use derivatives::{Derivatives, FLAT, Scheme};
 pub use field::Field;
 pub use frame_pair::{FramePair, truth};
 pub use linear::{Constraints, Linear};
-pub use multiscale::Multiscale;
+pub use multiscale::{Multiscale, mean_change, unit_of};
 pub use tensor::{EDGE_RATIO, Sums, Tensor, Texture, Weights, Window};

@@ -2,13 +2,14 @@
 
 use std::sync::OnceLock;
 
-use super::{Field, FramePair};
+use super::{Field, FramePair, explain};
 use crate::base::{
     Error, LANES, Threads, effort,
     wide::{lane, widest},
 };
 use crate::data::{Clip, Flow};
 use crate::geometry::{Grid, pyramid};
+use crate::scene::{Step, Unit, Value};
 
 /// Scale factor from one level to the next coarser.
 const FACTOR: f32 = 0.5;
@@ -126,6 +127,19 @@ impl Multiscale {
         Some(field)
     }
 
+    /// Puts a level, and the iteration on it out of the `iterations` of a level or of a warp.
+    pub fn put(&self, step: Step, level: usize, (iteration, iterations): (usize, usize)) -> Step {
+        let (width, height) = self.size(level);
+        let step = step
+            .put(explain::value::COARSEST_LEVEL, self.count() - 1)
+            .put(explain::value::WIDTH, width)
+            .put(explain::value::HEIGHT, height);
+        let step = step
+            .fact_as(explain::value::LEVEL.is(level), explain::case::LEVEL)
+            .put(explain::value::ITERATIONS, iterations);
+        step.fact_as(explain::value::ITERATION.is(iteration), explain::case::ITERATION)
+    }
+
     /// Returns the size of all levels in memory, in bytes.
     pub fn bytes(&self) -> usize {
         let truths = self.truths.iter().filter_map(OnceLock::get).flatten().map(Field::bytes).sum::<usize>();
@@ -133,6 +147,29 @@ impl Multiscale {
             + self.frame_pair.bytes()
             + self.coarser.iter().flatten().map(|level| size_of_val(level.cells())).sum::<usize>()
     }
+}
+
+/// The mean change of an iteration on a level, in px of level 0.
+pub fn mean_change(level: usize, change: f32) -> Value {
+    let unit = if level == 0 { "px" } else { "px of level 0" };
+    explain::value::MEAN_CHANGE.is(change).in_unit(Unit::new(unit, 3))
+}
+
+/// The unit of displacements on a level.
+pub fn unit_of(level: usize) -> Unit {
+    const NAMES: [&str; 10] = [
+        "px",
+        "px of level 1",
+        "px of level 2",
+        "px of level 3",
+        "px of level 4",
+        "px of level 5",
+        "px of level 6",
+        "px of level 7",
+        "px of level 8",
+        "px of level 9",
+    ];
+    Unit::new(NAMES[level.min(NAMES.len() - 1)], 3)
 }
 
 widest! {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::data::Flow;
 use crate::products::{Feature, Status};
-use crate::scene::{Case, Name, Number, Role, Step, Unit};
+use crate::scene::{Case, Role, Step, Unit};
 use crate::{cases, variables};
 
 variables! {
@@ -16,15 +16,20 @@ variables! {
     MEAN_ERROR: "", "", Unit::SUBPIXEL, Role::Error;
     /// The mean residual of the tracked features.
     MEAN_RESIDUAL: "", "", Unit::GRAY, Role::Error;
-    /// The features that were lost, by the reasons.
-    LOST: "", "", Unit::WHOLE;
+    /// The features that were lost for one reason.
+    LOST: "Lost so far", "", Unit::count(""), Role::Rejected;
+    /// The reason of a loss.
+    REASON: "", "", Unit::WHOLE;
 }
 
 cases! { over value;
     TRACKED: "{tracked} of {features} tracked.",
     TRACKED_WITH_ERROR: "{tracked} of {features} tracked, mean endpoint error {mean_error}.",
     TRACKED_WITH_RESIDUAL: "{tracked} of {features} tracked, mean residual {mean_residual}.",
-    LOST: "Lost: {lost}.",
+    LOST: "Lost: {lost} {reason}",
+    LOST_TOO: ", {lost} {reason}",
+    LOST_FOR: "{lost} {reason}",
+    END: ".",
     OUTSIDE: "Features that leave the frame cannot be kept.",
     FLAT: "A larger window or a lower minimum eigenvalue keeps more of them.",
     UNLIKE: "More levels help if the motion is large; occluded features cannot be kept.",
@@ -36,41 +41,49 @@ cases! { over value;
 
 /// Says how many of `features`, each called `one`, were tracked, how well, and why the others were lost.
 pub fn conclude(step: Step, one: &'static str, features: impl Iterator<Item = Feature>, truth: Option<&Flow>) -> Step {
-    let (mut all, mut tracked, mut errors, mut residuals) = (0usize, 0usize, Vec::new(), Vec::new());
-    let mut lost: BTreeMap<&'static str, (usize, &'static Case)> = BTreeMap::new();
-    for feature in features {
-        all += 1;
-        let Some(uv) = feature.displacement else {
-            if let Some((reason, advice)) = reason(feature.status) {
-                lost.entry(reason).or_insert((0, advice)).0 += 1;
-            }
-            continue;
-        };
-        tracked += 1;
-        residuals.extend(feature.residual);
-        let true_uv = truth.and_then(|truth| truth.sample(feature.at));
-        errors.extend(true_uv.map(|truth| (uv[0] - truth[0]).hypot(uv[1] - truth[1])));
-    }
-    let step = step.put(value::TRACKED, tracked).put_value(value::FEATURES.is(all).in_unit(Unit::count(one)));
-    let step = match (mean(&errors), mean(&residuals)) {
+    let all: Vec<_> = features.collect();
+    let tracked: Vec<_> = all.iter().filter_map(|feature| Some((feature, feature.displacement?))).collect();
+    let error = |(feature, uv): &(&Feature, [f32; 2])| {
+        let true_uv = truth?.sample(feature.at)?;
+        Some((uv[0] - true_uv[0]).hypot(uv[1] - true_uv[1]))
+    };
+    let (errors, residuals) =
+        (tracked.iter().filter_map(error), tracked.iter().filter_map(|(feature, _)| feature.residual));
+    let step = step.put(value::TRACKED, tracked.len());
+    let step = step.put_value(value::FEATURES.is(all.len()).in_unit(Unit::count(one)));
+    let step = match (mean(errors), mean(residuals)) {
         (Some(error), _) => step.put(value::MEAN_ERROR, error).say(case::TRACKED_WITH_ERROR),
         (None, Some(residual)) => step.put(value::MEAN_RESIDUAL, residual).say(case::TRACKED_WITH_RESIDUAL),
         (None, None) => step.say(case::TRACKED),
     };
-    let reasons: Number = lost.iter().map(|(reason, (count, _))| format!("{count} {reason}")).collect();
-    match lost.values().max_by_key(|(count, _)| *count) {
-        Some((_, advice)) => step.put(value::LOST, reasons).say(case::LOST).say(advice),
-        None => step,
+    let losses = losses(all.iter().map(|feature| feature.status));
+    let Some((_, advice)) = losses.values().max_by_key(|(count, _)| *count) else { return step };
+    let step = losses.iter().enumerate().fold(step, |step, (i, (reason, (count, _)))| {
+        let step = step.put(value::LOST, *count).put(value::REASON, *reason);
+        step.say(if i == 0 { case::LOST } else { case::LOST_TOO })
+    });
+    step.say(case::END).say(advice)
+}
+
+/// Adds a fact for each reason for which features were lost.
+pub fn lost(step: Step, statuses: impl Iterator<Item = Status>) -> Step {
+    losses(statuses).into_iter().fold(step, |step, (reason, (count, _))| {
+        step.put(value::REASON, reason).fact_as(value::LOST.is(count), case::LOST_FOR)
+    })
+}
+
+/// The number of lost features for each reason, with the remedy.
+fn losses(statuses: impl Iterator<Item = Status>) -> BTreeMap<&'static str, (usize, &'static Case)> {
+    let mut losses = BTreeMap::new();
+    for (reason, advice) in statuses.filter_map(reason) {
+        losses.entry(reason).or_insert((0, advice)).0 += 1;
     }
+    losses
 }
 
-/// The same as text, for steps whose sentences are not made of cases yet; `name` is in the plural.
-pub fn conclusion(name: &'static str, features: impl Iterator<Item = Feature>, truth: Option<&Flow>) -> String {
-    conclude(Step::at(Name::new(b"end")), name.trim_end_matches('s'), features, truth).sentence.plain()
-}
-
-fn mean(values: &[f32]) -> Option<f32> {
-    (!values.is_empty()).then(|| values.iter().sum::<f32>() / values.len() as f32)
+fn mean(values: impl Iterator<Item = f32>) -> Option<f32> {
+    let (sum, count) = values.fold((0.0, 0u32), |(sum, count), value| (sum + value, count + 1));
+    (count > 0).then(|| sum / count as f32)
 }
 
 /// Why a feature was lost, in words; `None` for a tracked one.
@@ -96,6 +109,8 @@ mod tests {
     use super::*;
     use crate::geometry::Grid;
 
+    crate::line_names!(END);
+
     #[test]
     fn errors_come_from_the_truth_and_losses_are_counted() {
         let feature = |displacement, status| Feature { at: [2.0, 2.0], displacement, status, residual: Some(1.5) };
@@ -106,12 +121,14 @@ mod tests {
             feature(None, Status::Outside),
         ];
         let truth = Flow(Grid::new(6, 6, [1.0, 0.5]));
-        let with = conclusion("points", all.into_iter(), Some(&truth));
+        let said =
+            |all: &[Feature], truth| conclude(Step::at(END), "point", all.iter().copied(), truth).sentence.plain();
+        let with = said(&all, Some(&truth));
         assert!(
             with.starts_with("1 of 4 points tracked, mean endpoint error 0.500 px. Lost: 2 ill-conditioned, 1 out")
         );
         assert!(with.contains("lower minimum eigenvalue"), "{with}");
-        assert!(conclusion("points", all.into_iter(), None).contains("mean residual 1.50 gray levels"));
-        assert_eq!(conclusion("points", [].into_iter(), None), "0 of 0 points tracked.");
+        assert!(said(&all, None).contains("mean residual 1.50 gray levels"));
+        assert_eq!(said(&[], None), "0 of 0 points tracked.");
     }
 }

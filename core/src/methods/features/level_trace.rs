@@ -3,9 +3,77 @@
 use super::follow::{Event, Follow};
 use super::tracker::{Level, Mismatch};
 use crate::geometry::Grid;
-use crate::methods::differential::{Tensor, explain, numbers};
+use crate::methods::differential::{
+    Tensor,
+    explain::{self, value as shared},
+    unit_of,
+};
 use crate::products::Status;
-use crate::scene::{Fact, Footing, Math, Picture, Plane, PlaneCost, Readout, Role, Scene, Sentence, Shape, Tile};
+use crate::scene::{
+    Case, Footing, Picture, Plane, PlaneCost, Readout, Role, Scene, Shape, Step, Tile, Unit, Value, Variable,
+};
+use crate::{cases, variables};
+
+variables! { pub mod value;
+    /// The position of the point in frame t.
+    POSITION: "", r"\mathbf{x}", Unit::SUBPIXEL, Role::Reference;
+    /// The displacement with which the iterations on the level begin.
+    GUESS: "Initial guess", r"\mathbf{g}", Unit::SUBPIXEL, Role::Predicted;
+    /// The structure tensor of the window.
+    TENSOR: "", r"\mathbf{T}", Unit::FINE, Role::Reference;
+    /// The means of δI I_x and δI I_y over the window, where δI is the difference of the windows.
+    MISMATCH: "", r"\mathbf{b}", Unit::FINE, Role::Candidate;
+    /// The displacement before the increment.
+    BEFORE: "", "", Unit::SUBPIXEL, Role::Candidate;
+    /// The increment of the displacement in an iteration.
+    INCREMENT: "Increment η", r"\mathbf{\eta}", Unit::SUBPIXEL, Role::Candidate;
+    /// The stopping criterion: a shorter increment ends the iterations of the level.
+    EPSILON: "", r"\epsilon", Unit::SUBPIXEL;
+    /// The mean absolute difference of the windows before the increment.
+    DIFFERENCE: "Mean |δI| before the increment", "", Unit::GRAY;
+    /// The displacement of the point.
+    DISPLACEMENT: "Displacement", r"\mathbf{d}", Unit::SUBPIXEL;
+    /// The displacement of the point in px of level 0.
+    FULL_RESOLUTION: "At full resolution", "", Unit::SUBPIXEL;
+    /// Twice the displacement: the initial guess of the next finer level.
+    FINER_GUESS: "", "", Unit::SUBPIXEL, Role::Predicted;
+    /// The mean absolute difference of the windows at the end of the tracking.
+    RESIDUAL: "", "", Unit::GRAY;
+    /// The largest accepted residual.
+    MAX_RESIDUAL: "", "", Unit::GRAY;
+    /// The forward–backward error: the distance of the point from its position after tracking forward and back.
+    FB_ERROR: "Forward–backward error", r"|\mathbf{d} + \mathbf{b}|", Unit::SUBPIXEL, Role::Predicted;
+    /// The largest accepted forward–backward error.
+    MAX_FB_ERROR: "", "", Unit::SUBPIXEL;
+    /// The true displacement of the point.
+    TRUE_DISPLACEMENT: "True displacement", "", Unit::SUBPIXEL, Role::Truth;
+}
+
+cases! { pub over value, shared;
+    LEVEL_OF: "{level} ({coarsest_level} is the coarsest)",
+    EIGENVALUES: "{lambda_1} and {lambda_2}",
+    WINDOW: " on level {level} ({width}×{height}): λ₁ = {lambda_1}, and λ₂ = {lambda_2} is",
+    ILL_CONDITIONED: "below the minimum eigenvalue of {min_eigenvalue}, so the window is ill-conditioned.",
+    CONDITIONED: "not below the minimum eigenvalue of {min_eigenvalue}, so the window can be tracked.",
+    BEGINS: "Initial guess: {guess}.",
+    INCREMENT: "Mean absolute difference of the windows at {before}: {difference}. Solving T η = b gives the increment {increment},",
+    CONVERGED: "shorter than ε = {epsilon}: converged at {displacement}.",
+    NOT_CONVERGED: "not yet shorter than ε = {epsilon}; the displacement is now {displacement}.",
+    ESTIMATE: " on level {level}: displacement {displacement}.",
+    NO_ESTIMATE: " has no estimate on level {level}",
+    PASSED_DOWN: "The guess {displacement} is passed on.",
+    DOUBLED: "Its double is the initial guess of the next finer level, {finer_guess}.",
+    TRACKED: ": displacement {displacement}. Mean absolute difference of the windows: {residual}, within the maximum residual of \
+              {max_residual:bare}.",
+    LOST: " is {rejected|lost}",
+    OUTSIDE: ": its window leaves the frame.",
+    FLAT: ": λ₂ is below the minimum eigenvalue, so its displacement is ill-conditioned (aperture problem).",
+    ASTRAY: ": the forward–backward error exceeds its maximum, a sign of occlusion or a wrong match.",
+    CHANGED: ": no affine map fits it to its first view, and it does not resemble that view.",
+    UNLIKE: ": the residual exceeds the maximum, a sign of occlusion or a wrong match.",
+    UNMATCHED: ": no keypoint of the next frame is its match.",
+    END: ".",
+}
 
 /// The tracking of a point on one level, up to the current event.
 pub struct LevelTrace<'a> {
@@ -21,18 +89,6 @@ pub struct LevelTrace<'a> {
     pub guess: [f32; 2],
     /// The events on this level; at least one.
     pub events: Vec<Event>,
-    /// Its name: `Point 7`.
-    pub name: String,
-}
-
-fn px(uv: [f32; 2]) -> String {
-    in_px(uv, 0)
-}
-
-/// A displacement in px of a level.
-fn in_px(uv: [f32; 2], level: usize) -> String {
-    let of = if level == 0 { String::new() } else { format!(" of level {level}") };
-    format!("{} px{of}", numbers::vector(uv))
 }
 
 fn after(from: [f32; 2], update: [f32; 2]) -> [f32; 2] {
@@ -40,9 +96,14 @@ fn after(from: [f32; 2], update: [f32; 2]) -> [f32; 2] {
 }
 
 impl LevelTrace<'_> {
-    /// Returns a displacement on this level as text.
-    fn px(&self, uv: [f32; 2]) -> String {
-        in_px(uv, self.level)
+    /// Returns a displacement in px of this level.
+    fn in_px(&self, of: &'static Variable, displacement: [f32; 2]) -> Value {
+        of.is(displacement).in_unit(unit_of(self.level))
+    }
+
+    /// Whether the level is finished.
+    pub fn is_done(&self) -> bool {
+        matches!(self.events.last(), Some(Event::PassedDown(..) | Event::End(..)))
     }
 
     fn scale(&self) -> f32 {
@@ -67,10 +128,10 @@ impl LevelTrace<'_> {
         self.events.iter().find_map(|event| if let Event::Window(tensor) = event { Some(*tensor) } else { None })
     }
 
-    /// Returns the last increment and its mismatch.
-    fn last(&self) -> Option<(Mismatch, [f32; 2])> {
+    /// Returns the last iteration: the displacement before it, the mismatch and the increment.
+    fn last(&self) -> Option<([f32; 2], Mismatch, [f32; 2])> {
         self.events.iter().rev().find_map(|event| match event {
-            Event::Iteration { mismatch, update, .. } => Some((*mismatch, *update)),
+            Event::Iteration { from, mismatch, update } => Some((*from, *mismatch, *update)),
             _ => None,
         })
     }
@@ -86,8 +147,7 @@ impl LevelTrace<'_> {
         };
         mark(from, Role::Reference, rect(self.at), "window");
         mark(to, Role::Predicted, rect(place(self.guess)), "initial guess");
-        let is_done = matches!(self.events.last(), Some(Event::PassedDown(..) | Event::End(..)));
-        let role = if is_done { Role::Best } else { Role::Candidate };
+        let role = if self.is_done() { Role::Best } else { Role::Candidate };
         mark(to, role, rect(place(self.displacement())), "window in the other frame");
         let steps = self.events.iter().filter_map(|event| match event {
             Event::Iteration { from, update, .. } => Some([*from, after(*from, *update)]),
@@ -105,102 +165,81 @@ impl LevelTrace<'_> {
         }
     }
 
-    /// Explains the last event in words.
-    pub fn sentence(&self) -> Sentence {
-        let said = Sentence::default().ink(Role::Reference, self.name.clone());
+    /// Puts the values of this level.
+    pub fn put(&self, step: Step) -> Step {
+        let Follow { epsilon, threshold, max_residual, .. } = self.follow;
         let (width, height) = self.pyramids[0][self.level].size();
+        let step = step.put(shared::COARSEST_LEVEL, self.pyramids[0].len() - 1).put(shared::WIDTH, width);
+        let step = step.put(shared::HEIGHT, height).put(value::EPSILON, epsilon).put(value::MAX_RESIDUAL, max_residual);
+        let step = step.put(shared::MIN_EIGENVALUE, threshold);
+        let step =
+            step.fact_as(shared::LEVEL.is(self.level), case::LEVEL_OF).fact_of(self.in_px(value::GUESS, self.guess));
+        let step = self.tensor().into_iter().fold(step, |step, tensor| {
+            let [large, small] = tensor.eigenvalues();
+            step.put(shared::LAMBDA_2, small).fact_as(shared::LAMBDA_1.is(large), case::EIGENVALUES)
+        });
+        let step = self.last().into_iter().fold(step, |step, (from, mismatch, update)| {
+            let step = step.put_value(self.in_px(value::BEFORE, from)).fact_of(self.in_px(value::INCREMENT, update));
+            step.fact(value::DIFFERENCE, mismatch.residual)
+        });
+        let role = match self.is_done() {
+            false => Role::Candidate,
+            true if self.level > 0 => Role::Best,
+            true => Role::Result,
+        };
+        let displacement = self.displacement();
+        let step = step.fact_of(self.in_px(value::DISPLACEMENT, displacement).inked(role));
+        let Some(finer) = self.level.checked_sub(1) else { return step };
+        let doubled = value::FINER_GUESS.is(displacement.map(|c| 2.0 * c)).in_unit(unit_of(finer));
+        step.fact(value::FULL_RESOLUTION, self.on_picture()).put_value(doubled)
+    }
+
+    /// Says what the last event means, once the values are put; `subject` names the point.
+    pub fn tell(&self, step: Step, subject: &'static Case) -> Step {
         match self.events.last() {
-            None => said,
+            None => step.say(subject),
             Some(Event::Window(tensor)) => {
-                let [large, small] = tensor.eigenvalues().map(numbers::gray);
-                let threshold = numbers::gray(self.follow.threshold);
-                let verdict = match self.follow.is_flat(tensor) {
-                    true => format!("below the minimum eigenvalue of {threshold}, so the window is ill-conditioned"),
-                    false => format!("not below the minimum eigenvalue of {threshold}, so the window can be tracked"),
-                };
-                let explanation = format!(
-                    " on level {} ({width}×{height} px): λ₁ = {large}, and λ₂ = {small} is {verdict}. Initial guess: ",
-                    self.level
-                );
-                said.text(explanation).ink(Role::Predicted, self.px(self.guess)).text(".")
+                let verdict = if self.follow.is_flat(tensor) { case::ILL_CONDITIONED } else { case::CONDITIONED };
+                step.say(subject).say(case::WINDOW).say(verdict).say(case::BEGINS)
             }
-            Some(Event::Iteration { from, mismatch, update }) => {
-                let epsilon = numbers::px(self.follow.epsilon);
-                let end = match self.follow.converges(*update) {
-                    true => format!(", shorter than ε = {epsilon} px: converged at "),
-                    false => format!(", not yet shorter than ε = {epsilon} px; the displacement is now "),
-                };
-                Sentence::default()
-                    .text("Mean absolute difference of the windows at ")
-                    .ink(Role::Candidate, self.px(*from))
-                    .text(format!(
-                        ": {} gray levels. Solving T η = b gives the increment {}{end}",
-                        numbers::gray(mismatch.residual),
-                        self.px(*update)
-                    ))
-                    .ink(Role::Candidate, self.px(after(*from, *update)))
-                    .text(".")
+            Some(Event::Iteration { update, .. }) => {
+                let is_last = self.follow.converges(*update);
+                step.say(case::INCREMENT).say(if is_last { case::CONVERGED } else { case::NOT_CONVERGED })
             }
-            Some(Event::PassedDown(displacement, reason)) => {
-                let explanation = match reason {
-                    None => format!(" on level {}: displacement {}.", self.level, self.px(*displacement)),
-                    Some(status) => format!(
-                        " has no estimate on level {}{} The guess {} is passed on.",
-                        self.level,
-                        why(*status),
-                        self.px(*displacement)
-                    ),
-                };
-                let explanation = format!("{explanation} Its double is the initial guess of the next finer level, ");
-                said.text(explanation)
-                    .ink(Role::Predicted, in_px(displacement.map(|c| 2.0 * c), self.level - 1))
-                    .text(".")
+            Some(Event::PassedDown(_, None)) => step.say(subject).say(case::ESTIMATE).say(case::DOUBLED),
+            Some(Event::PassedDown(_, Some(status))) => {
+                let step = step.say(subject).say(case::NO_ESTIMATE).say(why(*status));
+                step.say(case::PASSED_DOWN).say(case::DOUBLED)
             }
-            Some(Event::End(displacement, Ok(residual))) => {
-                let residual = format!(
-                    ". Mean absolute difference of the windows: {} gray levels, within the maximum residual of {}.",
-                    numbers::gray(*residual),
-                    numbers::gray(self.follow.max_residual)
-                );
-                said.text(": displacement ").ink(Role::Result, px(*displacement)).text(residual)
-            }
-            Some(Event::End(_, Err(status))) => said.text(" is ").ink(Role::Rejected, "lost").text(why(*status)),
+            Some(Event::End(_, Ok(residual))) => step.put(value::RESIDUAL, *residual).say(subject).say(case::TRACKED),
+            Some(Event::End(_, Err(status))) => step.say(subject).say(case::LOST).say(why(*status)),
         }
     }
 
-    /// Returns the facts of this level.
-    pub fn facts(&self) -> Vec<Fact> {
-        let fact = |label, value: String, role| Fact::new(label, value, role);
-        let mut facts = vec![
-            fact("Level", format!("{} ({} is the coarsest)", self.level, self.pyramids[0].len() - 1), None),
-            fact("Initial guess", self.px(self.guess), Some(Role::Predicted)),
-        ];
-        if let Some(tensor) = self.tensor() {
-            let [large, small] = tensor.eigenvalues().map(numbers::gray);
-            facts.push(fact("Eigenvalues λ₁, λ₂", format!("{large} and {small}"), None));
-        }
-        if let Some((mismatch, update)) = self.last() {
-            facts.push(fact("Increment η", self.px(update), Some(Role::Candidate)));
-            facts.push(fact(
-                "Mean |δI| before the increment",
-                format!("{} gray levels", numbers::gray(mismatch.residual)),
-                None,
-            ));
-        }
-        let role = if self.level == 0 { Role::Result } else { Role::Best };
-        facts.push(fact("Displacement", self.px(self.displacement()), Some(role)));
-        if self.level > 0 {
-            facts.push(fact("At full resolution", px(self.on_picture()), None));
-        }
-        facts
-    }
-
-    /// Returns the equations of the last increment, the plane of displacements and the windows. `truth` is the true displacement in
+    /// Adds the equations of the last increment, the plane of displacements and the windows. `truth` is the true displacement in
     /// px of level 0, where it is known.
-    pub fn readouts(&self, truth: Option<[f32; 2]>) -> Vec<Readout> {
-        let equation = self.tensor().map(|tensor| Readout::Equation(equation(&tensor, self.last())));
-        let others = [Readout::Plane(self.plane(truth)), Readout::Tiles(self.tiles())];
-        equation.into_iter().chain(others).collect()
+    pub fn charted(&self, step: Step, truth: Option<[f32; 2]>) -> Step {
+        let step = self.tensor().into_iter().fold(step, |step, window| self.equations(step, &window));
+        step.show(Readout::Plane(self.plane(truth))).show(Readout::Tiles(self.tiles()))
+    }
+
+    /// Writes T η = b in symbols and in numbers.
+    fn equations(&self, step: Step, window: &Tensor) -> Step {
+        // Only the part of the window inside the other frame counts.
+        let last = self.last();
+        let Tensor { xx, xy, yy, .. } = last.map_or(*window, |(_, mismatch, _)| mismatch.tensor);
+        let tensor = Grid::from_fn(2, 2, |x, y| f64::from([[xx, xy], [xy, yy]][y][x]));
+        let step = step.put(value::TENSOR, tensor).formula(
+            r"\mathbf{T}\,\mathbf{\eta} = \mathbf{b} = \begin{pmatrix} \bar{\delta I\,I_x} \\ \bar{\delta I\,I_y} \end{pmatrix}",
+        );
+        let Some((_, Mismatch { vector, .. }, _)) = last else {
+            return step.formula(
+                r"{tensor} \begin{pmatrix} \eta_u \\ \eta_v \end{pmatrix} = \begin{pmatrix} \text{?} \\ \text{?} \end{pmatrix}",
+            );
+        };
+        let step = step.put(value::MISMATCH, Grid::from_fn(1, 2, |_, y| f64::from(vector[y])));
+        let step = step.formula(r"{tensor} \begin{pmatrix} \eta_u \\ \eta_v \end{pmatrix} = {mismatch}");
+        step.formula(r"\mathbf{\eta} = {increment}")
     }
 
     /// Returns the squared difference of the windows around the initial guess, with the iterations on it.
@@ -219,7 +258,7 @@ impl LevelTrace<'_> {
         let reach = explain::reach(known.map(from_guess)).max(2.0);
         Plane {
             title: "Mean squared difference of the windows",
-            unit: if self.level == 0 { "px".into() } else { format!("px of level {}", self.level) },
+            unit: unit_of(self.level).name.into(),
             center: self.guess,
             reach,
             cost: Some(self.squared_difference(reach)),
@@ -276,51 +315,14 @@ impl LevelTrace<'_> {
 }
 
 /// Why a feature is lost, or has no estimate on a level, as the end of a sentence.
-pub fn why(status: Status) -> &'static str {
+pub fn why(status: Status) -> &'static Case {
     match status {
-        Status::Outside => ": its window leaves the frame.",
-        Status::Flat => {
-            ": λ₂ is below the minimum eigenvalue, so its displacement is ill-conditioned (aperture problem)."
-        }
-        Status::Astray => ": the forward–backward error exceeds its maximum, a sign of occlusion or a wrong match.",
-        Status::Changed => ": no affine map fits it to its first view, and it does not resemble that view.",
-        Status::Unlike => ": the residual exceeds the maximum, a sign of occlusion or a wrong match.",
-        Status::Unmatched => ": no keypoint of the next frame is its match.",
-        Status::Found | Status::Tracked => ".",
+        Status::Outside => case::OUTSIDE,
+        Status::Flat => case::FLAT,
+        Status::Astray => case::ASTRAY,
+        Status::Changed => case::CHANGED,
+        Status::Unlike => case::UNLIKE,
+        Status::Unmatched => case::UNMATCHED,
+        Status::Found | Status::Tracked => case::END,
     }
-}
-
-/// T η = b in symbols and in numbers.
-fn equation(window: &Tensor, last: Option<(Mismatch, [f32; 2])>) -> Vec<Math> {
-    // Only the part of the window inside the other frame counts.
-    let tensor = last.as_ref().map_or(window, |(mismatch, _)| &mismatch.tensor);
-
-    let eta = |index| Math::indexed(Math::Var("η"), Math::Var(index));
-    let product = |along| {
-        let factors = vec![Math::text("δ"), Math::Var("I"), Math::text(" "), explain::derivative(along)];
-        Math::mean(Math::Row(factors))
-    };
-    let symbols = Math::Row(vec![
-        Math::Bold("T"),
-        Math::text(" "),
-        Math::Bold("η"),
-        Math::text(" = "),
-        Math::Bold("b"),
-        Math::text(" = "),
-        Math::column([product("x"), product("y")]),
-    ]);
-    let entry = |value: f32| Math::ink(Role::Reference, numbers::gray(value));
-    let right = |value: Option<f32>| Math::ink(Role::Candidate, value.map_or_else(|| "?".into(), numbers::gray));
-    let vector = last.map(|(mismatch, _)| mismatch.vector);
-    let numbers = Math::Row(vec![
-        Math::Matrix(vec![vec![entry(tensor.xx), entry(tensor.xy)], vec![entry(tensor.xy), entry(tensor.yy)]]),
-        Math::column([eta("u"), eta("v")]),
-        Math::text(" = "),
-        Math::column([0, 1].map(|i| right(vector.map(|b| b[i])))),
-    ]);
-    let mut lines = vec![symbols, numbers];
-    lines.extend(last.map(|(_, update)| {
-        Math::Row(vec![Math::Bold("η"), Math::text(" = "), Math::ink(Role::Result, numbers::vector(update))])
-    }));
-    lines
 }

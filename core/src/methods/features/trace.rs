@@ -1,7 +1,7 @@
 //! The tracking of one point through all levels, repeated to explain any point on demand.
 
-use super::LevelTrace;
 use super::follow::{Event, Follow, LevelResult};
+use super::level_trace::LevelTrace;
 use super::tracker::Level;
 use crate::scene::{Floor, Role};
 
@@ -49,16 +49,16 @@ impl<'a> Trace<'a> {
         self.levels.last()?.1.last()
     }
 
-    /// Returns the events of the current level, for a point called `name`.
-    pub fn level_trace(&self, name: String) -> LevelTrace<'a> {
-        self.level_trace_on(self.level(), name)
+    /// Returns the events of the current level.
+    pub fn level_trace(&self) -> LevelTrace<'a> {
+        self.level_trace_on(self.level())
     }
 
-    fn level_trace_on(&self, level: usize, name: String) -> LevelTrace<'a> {
+    fn level_trace_on(&self, level: usize) -> LevelTrace<'a> {
         let leg = self.levels.get(self.pyramids[0].len() - 1 - level);
         let (guess, events) = leg.cloned().unwrap_or_default();
         let Self { follow, pyramids, at, .. } = *self;
-        LevelTrace { follow, pyramids, level, at, guess, events, name }
+        LevelTrace { follow, pyramids, level, at, guess, events }
     }
 
     /// Returns window and displacement on every level.
@@ -66,9 +66,8 @@ impl<'a> Trace<'a> {
         let floor = |level: usize| {
             let (at, reach) = (self.at.map(|c| c / (1u32 << level) as f32), self.follow.reach as f32 + 0.5);
             let vector = (level >= self.level()).then(|| {
-                let level_trace = self.level_trace_on(level, String::new());
-                let is_over = matches!(level_trace.events.last(), Some(Event::PassedDown(..) | Event::End(..)));
-                (level_trace.displacement(), if is_over { Role::Result } else { Role::Best })
+                let level_trace = self.level_trace_on(level);
+                (level_trace.displacement(), if level_trace.is_done() { Role::Result } else { Role::Best })
             });
             Floor { at_hand: Some([at.map(|c| c - reach), at.map(|c| c + reach)]), vector }
         };

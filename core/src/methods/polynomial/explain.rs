@@ -1,12 +1,12 @@
 //! The explanation and the drawing of an iteration of Farnebäck's method at one pixel.
 
 use super::shift::in_effect;
+use super::vocabulary::{case, value};
 use super::{DisplacementEquation, ExpansionPair, Polynomial, WindowSolver};
-use crate::base::words;
 use crate::geometry::Grid;
-use crate::methods::differential::explain::{self, View};
-use crate::methods::differential::{Field, Multiscale, Tensor, numbers};
-use crate::scene::{Constraint, Math, Picture, Plane, Readout, Role, Scene, Sentence, Shape, Tile};
+use crate::methods::differential::explain::{self, View, value as differential};
+use crate::methods::differential::{Field, Multiscale, Tensor, unit_of};
+use crate::scene::{Constraint, Picture, Plane, Readout, Role, Scene, Shape, Step, Tile, Value, Variable};
 
 /// The steps of an iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -42,7 +42,7 @@ pub struct Probe<'a> {
     /// The displacements after the iteration.
     to: &'a Field,
     /// The pixel.
-    pub place: (usize, usize),
+    place: (usize, usize),
     solver: WindowSolver,
     /// The radius of the neighbourhoods, in px.
     reach: usize,
@@ -76,29 +76,23 @@ impl<'a> Probe<'a> {
     }
 
     /// Returns the prior displacement, in px of the level.
-    pub fn from(&self) -> [f32; 2] {
+    fn from(&self) -> [f32; 2] {
         self.expansions.from.at(self.place.0, self.place.1)
     }
 
     /// Returns the displacement after the iteration, in px of the level.
-    pub fn to(&self) -> [f32; 2] {
+    fn to(&self) -> [f32; 2] {
         self.to.at(self.place.0, self.place.1)
     }
 
-    fn pixel(&self) -> String {
-        format!("pixel {}", words::pixel(self.place))
+    /// Returns the polynomial of frame t.
+    fn first(&self) -> Polynomial {
+        self.expansions.pair[0][self.place].into()
     }
 
-    /// Returns the prior displacement, rounded to whole px.
-    fn whole(&self) -> Option<[f32; 2]> {
-        let (_, to) = self.shift?;
-        Some([to.0 as f32 - self.place.0 as f32, to.1 as f32 - self.place.1 as f32])
-    }
-
-    /// Returns the polynomials of frame t and of frame t + 1 at the prior displacement.
-    fn polynomials(&self) -> (Polynomial, Option<Polynomial>) {
-        let [first, second] = self.expansions.pair;
-        (first[self.place].into(), self.shift.map(|(_, to)| second[to].into()))
+    /// Returns the pixel of frame t + 1 at the prior displacement, with its polynomial.
+    fn second(&self) -> Option<((usize, usize), Polynomial)> {
+        self.shift.map(|(_, to)| (to, self.expansions.pair[1][to].into()))
     }
 }
 
@@ -123,107 +117,85 @@ impl Probe<'_> {
         square(Picture::CURRENT, Role::Reference, self.place, 0, "inspected pixel");
     }
 
-    /// Returns the unit of displacements on the level.
-    pub fn unit(&self) -> String {
-        if self.level == 0 { "px".into() } else { format!("px of level {}", self.level) }
+    /// Returns the value of a displacement in px of the level.
+    fn px(&self, of: &'static Variable, uv: [f32; 2]) -> Value {
+        of.is(uv).in_unit(unit_of(self.level))
     }
 
-    /// Explains the step in words.
-    pub fn sentence(&self) -> Sentence {
-        let (said, pixel) = (Sentence::default(), self.pixel());
-        let px = |uv: [f32; 2]| format!("{} {}", numbers::vector(uv), self.unit());
-        match self.part {
-            Part::Expanded => {
-                let (width, height) = self.frames.size(self.level);
-                let (polynomial, _) = self.polynomials();
-                said.text(format!(
-                    "Level {} ({width}×{height} px): polynomial expansion fits x · A x + b · x + c to the Gaussian-weighted \
-                     neighbourhood of every pixel in both frames. At ",
-                    self.level
-                ))
-                .ink(Role::Reference, pixel)
-                .text(format!(" the gradient is b₁ = {} gray levels per px.", gray_vector(polynomial.b)))
-            }
+    /// Explains the step.
+    pub fn tell(&self, step: Step) -> Step {
+        let (from, to) = (self.from(), self.to());
+        let step = self.put(step.fact(differential::PIXEL, self.place).fact_of(self.px(value::PRIOR, from)));
+        let step = match self.part {
+            Part::Expanded => self.fits(step.say(case::EXPANDED)),
             Part::Paired => {
-                let said = said
-                    .text("Prior displacement of ")
-                    .ink(Role::Reference, pixel)
-                    .text(": ")
-                    .ink(Role::Best, px(self.from()));
-                said.text(match self.whole() {
-                    Some([m, n]) => format!(
-                        ". Rounded to whole px, it selects the polynomial ({}, {}) px away in frame t+1.",
-                        numbers::fixed(m, 0),
-                        numbers::fixed(n, 0)
-                    ),
-                    None => ". It leads out of frame t+1, so there is no second polynomial.".into(),
-                })
+                let step = step.say(case::PRIOR).say(if self.shift.is_some() { case::PAIRED } else { case::OUTSIDE });
+                self.fits(step)
             }
-            Part::Compared => match self.shift {
-                Some((shift, _)) => said
-                    .text("A shift by d changes the gradient from b₁ to b₂ = b₁ − 2 A d. At ")
-                    .ink(Role::Reference, pixel)
-                    .text(format!(" this gives the two equations A d = Δb = {}.", gray_vector(shift.b))),
-                None => said
-                    .text("Without a second polynomial, ")
-                    .ink(Role::Reference, pixel)
-                    .text(" has no displacement equation and does not enter any window."),
-            },
+            Part::Compared => self.compared(step),
             Part::Averaged => {
                 let [large, small] = self.tensor.eigenvalues();
-                let damping = self.solver.damping;
-                let verdict = match small > damping {
-                    true => "so the window determines both components",
-                    false => "so the damping keeps the weakly determined component at its prior value",
-                };
-                said.text(
-                    "Where the image curves in one direction only, A is singular. Mean of A^TA over the window of ",
-                )
-                .ink(Role::Reference, pixel)
-                .text(format!(
-                    ": eigenvalues {} and {} against the damping λ = {}, {verdict}.",
-                    numbers::fixed(large, 4),
-                    numbers::fixed(small, 4),
-                    numbers::fixed(damping, 4)
-                ))
+                let step = step.put(value::LAMBDA_1, large).put(value::LAMBDA_2, small);
+                let step = step.put(value::DAMPING, self.solver.damping).say(case::AVERAGED);
+                let is_determined = small > self.solver.damping;
+                self.normal_equations(step.say(if is_determined { case::DETERMINED } else { case::DAMPED }))
             }
-            Part::Solved => said
-                .text("Damped least squares over the window of ")
-                .ink(Role::Reference, pixel)
-                .text(" gives (u, v) = ")
-                .ink(Role::Result, px(self.to()))
-                .text(format!(
-                    ", an increment of {}. RMS residual of A d − Δb: {} gray levels per px.",
-                    px([0, 1].map(|i| self.to()[i] - self.from()[i])),
-                    numbers::gray(self.off())
-                )),
-        }
+            Part::Solved => {
+                let step = step.fact_of(self.px(value::DISPLACEMENT, to)).fact(value::RESIDUAL, self.off());
+                let step = step.put_value(self.px(value::INCREMENT, [0, 1].map(|i| to[i] - from[i]))).say(case::SOLVED);
+                self.normal_equations(step).formula(r"\mathbf{d} = {displacement}")
+            }
+        };
+        let step = match self.truth() {
+            Some(truth) => step.fact_of(self.px(value::TRUE_DISPLACEMENT, truth)),
+            None => step,
+        };
+        let is_expansion = self.part < Part::Compared;
+        step.show(if is_expansion { Readout::Tiles(self.tiles()) } else { Readout::Plane(self.plane()) })
     }
 
-    /// Explains the step by formulas and charts.
-    pub fn readouts(&self) -> Vec<Readout> {
-        let (equation, picture) = match self.part {
-            Part::Expanded | Part::Paired => (expansion_equation(self), Readout::Tiles(self.tiles())),
-            Part::Compared => (shift_equation(self), Readout::Plane(self.plane())),
-            Part::Averaged | Part::Solved => (self.mean_equation(), Readout::Plane(self.plane())),
-        };
-        vec![Readout::Equation(equation), picture]
+    /// Puts the polynomials of both frames.
+    fn put(&self, step: Step) -> Step {
+        let all = |Polynomial { c, b: [x, y], a: [xx, xy, yy] }| [c, x, y, xx, 2.0 * xy, yy];
+        let step = step.put(value::B_1, self.first().b).put(value::FIT_1, all(self.first()));
+        let Some(((x, y), second)) = self.second() else { return step };
+        let whole = [x as f32 - self.place.0 as f32, y as f32 - self.place.1 as f32];
+        step.put(value::ROUNDED_PRIOR, whole).put(value::B_2, second.b).put(value::FIT_2, all(second))
+    }
+
+    /// Writes the polynomials in symbols and numbers.
+    fn fits(&self, step: Step) -> Step {
+        let step = step.formula("c + b_x x + b_y y + a_{xx} x^2 + 2 a_{xy} x y + a_{yy} y^2");
+        FITS.iter().take(if self.shift.is_some() { 2 } else { 1 }).fold(step, Step::formula)
+    }
+
+    /// Explains the displacement equations of the pixel.
+    fn compared(&self, step: Step) -> Step {
+        let step = step.formula(
+            r"\mathbf{A} \mathbf{d} = \Delta \mathbf{b} = \mathbf{A} (m, n) - \text{½ }(\mathbf{b}_2 - \mathbf{b}_1)",
+        );
+        let Some((DisplacementEquation { a, b }, _)) = self.shift else { return step.say(case::NO_EQUATION) };
+        step.put(value::A, a)
+            .put(value::DELTA_B, b)
+            .say(case::COMPARED)
+            .formula(r"\Delta \mathbf{b} = \mathbf{A} {rounded_prior} - \text{½ }({b_2} - {b_1}) = {delta_b}")
+            .formula("{a:1} u {a:2:signed} v = {delta_b:1}")
+            .formula("{a:2} u {a:3:signed} v = {delta_b:2}")
     }
 
     /// Returns the RMS residual of the window's displacement equations, in gray levels per px.
-    pub fn off(&self) -> f32 {
+    fn off(&self) -> f32 {
         (self.tensor.residual(self.to()) / self.tensor.pixels.max(f32::MIN_POSITIVE)).sqrt()
     }
 
     /// Returns the true displacement, in px of the level, if it is known.
-    pub fn truth(&self) -> Option<[f32; 2]> {
+    fn truth(&self) -> Option<[f32; 2]> {
         self.frames.truth(self.level, self.place)
     }
 
     /// Returns the neighbourhood in both frames, its polynomial, and the residual.
     fn tiles(&self) -> Vec<Tile> {
         let reach = self.reach;
-        let (first, second) = self.polynomials();
         let of = |picture: &Grid<f32>, place, polynomial: Polynomial| {
             let pixels = explain::around(picture, place, reach);
             let fitted = Grid::from_fn(pixels.width(), pixels.height(), |i, j| {
@@ -247,8 +219,8 @@ impl Probe<'_> {
             [tile(name, Some(role), pixels), tile("Polynomial", Some(role), fitted), tile("Residual", None, left)]
         };
         let [current, next] = self.frames.pair(self.level);
-        let mut tiles = row(Role::Reference, of(current, self.place, first), "Frame t").to_vec();
-        if let (Some(polynomial), Some((_, to))) = (second, self.shift) {
+        let mut tiles = row(Role::Reference, of(current, self.place, self.first()), "Frame t").to_vec();
+        if let Some((to, polynomial)) = self.second() {
             tiles.extend(row(Role::Candidate, of(next, to, polynomial), "Frame t+1"));
         }
         tiles
@@ -276,7 +248,7 @@ impl Probe<'_> {
             } else {
                 "Displacement equations of the window: A d = Δb"
             },
-            unit: self.unit(),
+            unit: unit_of(self.level).name.into(),
             reach,
             center,
             cost: None,
@@ -305,160 +277,23 @@ impl Probe<'_> {
         lines.into_iter().filter_map(|(line, weight)| explain::line(line, weight / most, Role::Candidate)).collect()
     }
 
-    /// Returns (T + λ I) d = h + λ d₀ in symbols, and with the means over the window.
-    fn mean_equation(&self) -> Vec<Math> {
+    /// Writes (T + λ I) d = h + λ d₀ in symbols, and with the means over the window.
+    fn normal_equations(&self, step: Step) -> Step {
         let Tensor { xx, xy, yy, xt, yt, .. } = self.tensor;
-        let (from, to) = (self.from(), self.to());
-        let lambda = || Math::Var("λ");
-        let transposed = |right: Math| {
-            Math::Row(vec![
-                Math::text("Σ "),
-                Math::Var("w"),
-                Math::text(" "),
-                Math::power(Math::Bold("A"), Math::text("T")),
-                right,
-            ])
-        };
-        let delta_b = || Math::Row(vec![Math::text("Δ"), Math::Bold("b")]);
-        let symbols = Math::Row(vec![
-            Math::text("("),
-            transposed(Math::Bold("A")),
-            Math::text(" + "),
-            lambda(),
-            Math::Bold("I"),
-            Math::text(") "),
-            Math::Bold("d"),
-            Math::text(" = "),
-            transposed(delta_b()),
-            Math::text(" + "),
-            lambda(),
-            Math::text(" "),
-            Math::indexed(Math::Bold("d"), Math::text("0")),
-        ]);
-        let damping = in_effect(self.solver.damping, [xx, yy]);
-        let row = |[a, b]: [f32; 2], right: f32| {
-            linear_row([a, b].map(coefficient), Math::ink(Role::Candidate, coefficient(right)))
-        };
-        let mut lines = vec![
-            symbols,
-            row([xx + damping, xy], damping * from[0] - xt),
-            row([xy, yy + damping], damping * from[1] - yt),
-        ];
-        if self.part == Part::Solved {
-            lines.push(Math::Row(vec![
-                Math::Bold("d"),
-                Math::text(" = "),
-                Math::ink(Role::Result, numbers::vector(to)),
-            ]));
-        }
-        lines
+        let (damping, [u, v]) = (in_effect(self.solver.damping, [xx, yy]), self.from());
+        step.put(value::NORMAL_MATRIX, [xx + damping, xy, yy + damping])
+            .put(value::RIGHT_SIDE, [damping * u - xt, damping * v - yt])
+            .formula(NORMAL_EQUATIONS)
+            .formula("{normal_matrix:1} u {normal_matrix:2:signed} v = {right_side:1}")
+            .formula("{normal_matrix:2} u {normal_matrix:3:signed} v = {right_side:2}")
     }
 }
 
-/// A coefficient of the normal equations.
-fn coefficient(value: f32) -> String {
-    numbers::fixed(value, 4)
-}
+/// The polynomials of both frames in numbers.
+const FITS: [&str; 2] = [
+    r"\text{t: }{fit_1:1} {fit_1:2:signed} x {fit_1:3:signed} y {fit_1:4:signed} x^2 {fit_1:5:signed} x y {fit_1:6:signed} y^2",
+    r"\text{t+1: }{fit_2:1} {fit_2:2:signed} x {fit_2:3:signed} y {fit_2:4:signed} x^2 {fit_2:5:signed} x y {fit_2:6:signed} y^2",
+];
 
-/// A vector of gray levels per px.
-fn gray_vector([x, y]: [f32; 2]) -> String {
-    format!("({},\u{a0}{})", numbers::gray(x), numbers::gray(y))
-}
-
-/// `a u + b v = right`.
-fn linear_row([a, b]: [String; 2], right: Math) -> Math {
-    let b = b.strip_prefix('−').map_or_else(|| format!(" + {b}"), |size| format!(" − {size}"));
-    Math::Row(vec![
-        Math::ink(Role::Reference, a),
-        Math::text(" "),
-        Math::Var("u"),
-        Math::ink(Role::Reference, b),
-        Math::text(" "),
-        Math::Var("v"),
-        Math::text(" = "),
-        right,
-    ])
-}
-
-/// The polynomial in symbols, and the polynomials of both frames in numbers.
-fn expansion_equation(probe: &Probe) -> Vec<Math> {
-    let index = |of: &'static str, by: &'static str| Math::indexed(Math::Var(of), Math::Var(by));
-    let term = |before: &'static str, factor: Math, after: &[(&'static str, bool)]| {
-        let mut row = vec![Math::text(before), factor];
-        for (name, is_square) in after {
-            row.push(Math::text(" "));
-            row.push(if *is_square { Math::power(Math::Var(name), Math::text("2")) } else { Math::Var(name) });
-        }
-        Math::Row(row)
-    };
-    let polynomial = |c: Math, b: [Math; 2], a: [Math; 3], signs: [&'static str; 5]| {
-        let ([bx, by], [xx, xy, yy]) = (b, a);
-        Math::Row(vec![
-            c,
-            term(signs[0], bx, &[("x", false)]),
-            term(signs[1], by, &[("y", false)]),
-            term(signs[2], xx, &[("x", true)]),
-            term(signs[3], xy, &[("x", false), ("y", false)]),
-            term(signs[4], yy, &[("y", true)]),
-        ])
-    };
-    let symbols = polynomial(
-        Math::Var("c"),
-        [index("b", "x"), index("b", "y")],
-        [index("a", "xx"), index("a", "xy"), index("a", "yy")],
-        [" + ", " + ", " + ", " + 2 ", " + "],
-    );
-    let numbers = |Polynomial { c, b, a }: Polynomial, role, name: &'static str| {
-        let ink = |v: f32| Math::ink(role, numbers::summand(numbers::gray(v)));
-        let [xx, xy, yy] = a;
-        let first = Math::ink(role, numbers::gray(c));
-        let row = polynomial(first, b.map(ink), [ink(xx), ink(2.0 * xy), ink(yy)], [" "; 5]);
-        Math::Row(vec![Math::text(name), row])
-    };
-    let (first, second) = probe.polynomials();
-    let mut lines = vec![symbols, numbers(first, Role::Reference, "t: ")];
-    lines.extend(second.map(|second| numbers(second, Role::Candidate, "t+1: ")));
-    lines
-}
-
-/// Δb in symbols and in numbers, and the two displacement equations.
-fn shift_equation(probe: &Probe) -> Vec<Math> {
-    let index = |of: &'static str, by: &'static str| Math::indexed(Math::Bold(of), Math::text(by));
-    let symbols = Math::Row(vec![
-        Math::Bold("A"),
-        Math::text(" "),
-        Math::Bold("d"),
-        Math::text(" = Δ"),
-        Math::Bold("b"),
-        Math::text(" = "),
-        Math::Bold("A"),
-        Math::text(" ("),
-        Math::Var("m"),
-        Math::text(", "),
-        Math::Var("n"),
-        Math::text(") − ½ ("),
-        index("b", "2"),
-        Math::text(" − "),
-        index("b", "1"),
-        Math::text(")"),
-    ]);
-    let (Some((shift, _)), (first, Some(second)), Some(whole)) = (probe.shift, probe.polynomials(), probe.whole())
-    else {
-        return vec![symbols];
-    };
-    let DisplacementEquation { a: [xx, xy, yy], b } = shift;
-    let come_about = Math::Row(vec![
-        Math::text("Δ"),
-        Math::Bold("b"),
-        Math::text(" = "),
-        Math::Bold("A"),
-        Math::text(format!(" ({}, {}) − ½ (", numbers::fixed(whole[0], 0), numbers::fixed(whole[1], 0))),
-        Math::ink(Role::Candidate, gray_vector(second.b)),
-        Math::text(" − "),
-        Math::ink(Role::Reference, gray_vector(first.b)),
-        Math::text(format!(") = {}", gray_vector(b))),
-    ]);
-    let row =
-        |a: [f32; 2], right: f32| linear_row(a.map(numbers::gray), Math::ink(Role::Candidate, numbers::gray(right)));
-    vec![symbols, come_about, row([xx, xy], b[0]), row([xy, yy], b[1])]
-}
+/// The normal equations of a window, with the damping.
+const NORMAL_EQUATIONS: &str = r"(\sum w \mathbf{A}^\top \mathbf{A} + \lambda \mathbf{I}) \mathbf{d} = \sum w \mathbf{A}^\top \Delta \mathbf{b} + \lambda \mathbf{d}_0";

@@ -3,7 +3,9 @@
 mod expansion;
 mod explain;
 mod shift;
+mod vocabulary;
 
 pub use expansion::{Applicability, Expander, Packed, Polynomial};
 pub use explain::{Inspected, Part, Probe};
 pub use shift::{DisplacementEquation, Estimate, ExpansionPair, WindowSolver};
+pub use vocabulary::case;

@@ -5,14 +5,14 @@ use std::sync::Arc;
 use super::Settings;
 use super::model::{Explanation, Model, Probe};
 use super::run::{Event, Note, State, TESTED, Variational};
-use crate::base::words;
+use super::vocabulary::{case, value};
 use crate::geometry::Grid;
 use crate::methods::differential::explain::{self, View};
-use crate::methods::differential::{Conclusion, numbers};
+use crate::methods::differential::{Conclusion, mean_change};
 use crate::run::{Estimator, Seen};
 use crate::scene::{
-    Fact, Floor, Footing, Layer, Levels, Picture, Plane, PlaneCost, Quantity, Readout, Role, Scene, Sentence, Series,
-    Shape, Stack, Step,
+    Floor, Footing, Layer, Levels, Name, Picture, Plane, PlaneCost, Quantity, Readout, Role, Scene, Sentence, Series,
+    Shape, Stack, Step, Unit, Variable,
 };
 
 /// The pseudocode lines that all methods share.
@@ -38,83 +38,80 @@ impl<M: Model> Probe<'_, M> {
 
 impl<M: Model> Variational<M> {
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
-        let (line, sentence, mut readouts) = match (seen.events.last(), Probe::at(seen)) {
-            (None, _) => {
-                return Step {
-                    values: Vec::new(),
-                    line: line::ENERGY,
-                    sentence: Sentence::default().text(M::OPENING),
-                    readouts: Vec::new(),
-                };
-            }
-            (Some(Event::Step(step, _)), Some(probe)) => {
-                let explanation = self.0.explanation(*step, &probe);
-                let plane = plane(seen.before, &probe, &explanation);
-                let Explanation { sentence, facts, equation, .. } = explanation;
-                let facts = self.facts(seen, Some((&probe, facts)));
-                (
-                    self.0.steps()[*step],
-                    self.concluded(seen, sentence),
-                    vec![Readout::Facts(facts), Readout::Equation(equation), plane],
-                )
-            }
+        let state = seen.before;
+        let step = match (seen.events.last(), Probe::at(seen)) {
+            (None, _) => return Step::at(line::ENERGY).say(M::OPENING),
+            (Some(Event::Step(index, _)), Some(probe)) => self.iterated(seen, *index, &probe),
             (Some(Event::Medians), _) => {
-                (line::TAKE_MEDIANS, medians(seen.before), vec![Readout::Facts(self.facts(seen, None))])
+                self.placed(line::TAKE_MEDIANS, state).say_if(state.warp == 0, case::UPSAMPLED).say(case::MEDIANS)
             }
-            _ => (line::WARP, self.warped(seen.before), vec![Readout::Facts(self.facts(seen, None))]),
+            _ => {
+                let step = self.placed(line::WARP, state).put(value::WARP, state.warp + 1);
+                let step = step.put(value::WARPS, self.settings().warps).say(case::WARP);
+                step.say(if state.is_first_warp() { case::ZERO_FLOW } else { case::WARPED })
+            }
         };
-        readouts.extend(self.series(seen).into_iter().map(Readout::Series));
-        readouts.extend(self.stack(seen).map(Readout::Stack));
-        Step { values: Vec::new(), line, sentence, readouts }
+        let step = step.show_all(self.series(seen).into_iter().map(Readout::Series));
+        step.show_all(self.stack(seen).map(Readout::Stack))
     }
 
-    /// Adds the conclusion of an iteration and of the run, at the end of each.
-    fn concluded(&self, seen: &Seen<Self>, sentence: Sentence) -> Sentence {
-        let (Some(after), None) = (seen.after, seen.point()) else { return sentence };
+    /// A step with its level and iteration.
+    fn placed(&self, line: Name, state: &State<M>) -> Step {
+        state.fixed.frames.put(Step::at(line), state.level, (state.iteration + 1, self.settings().iterations))
+    }
+
+    /// The step `index` of an iteration at a pixel.
+    fn iterated(&self, seen: &Seen<Self>, index: usize, probe: &Probe<M>) -> Step {
+        let step = probe.iteration.warp.linear.put(self.placed(self.0.steps()[index], seen.before), probe.place);
+        let step = match probe.start() {
+            Some(start) => step.fact_of(probe.px(explain::value::START, start)),
+            None => step,
+        };
+        let step = step.fact_of(probe.px(value::FLOW_BEFORE, probe.from()));
+        let explanation = self.0.explanation(index, probe, step);
+        let plane = plane(seen.before, probe, &explanation);
+        let ([u, v], [across, down]) = (probe.to(), probe.scale);
+        let is_coarse = seen.after.is_some() && probe.level > 0;
+        let full_resolution_flow = is_coarse.then_some([u * across, v * down]);
+        let step = explanation.step.fact_if(value::FULL_RESOLUTION_FLOW, full_resolution_flow);
+        self.concluded(seen, step).show(plane)
+    }
+
+    /// Adds energy, change and error of an iteration, and the conclusion of the iteration and of the run, at the end of each.
+    fn concluded(&self, seen: &Seen<Self>, step: Step) -> Step {
+        let (Some(after), Some(note)) = (seen.after, self.noted(seen)) else { return step };
         let Settings { iterations, tolerance, .. } = self.settings();
-        let Some(note) = self.noted(seen) else { return sentence };
         let number = seen.before.iteration + 1;
         let is_tested = tolerance > 0.0 && number.is_multiple_of(TESTED);
+        let change = mean_change(seen.before.level, note.change);
         // The tolerance may be smaller than the decimals of a displacement.
-        // The change is that of the displacements in the frame.
-        let unit = if seen.before.level == 0 { "px" } else { "px of level 0" };
-        let (change, precise) = (numbers::px(note.change), numbers::fixed(note.change, 4));
-        let said = match is_tested && note.change < tolerance {
-            true => format!(
-                " The mean change of {precise} {unit} is below the tolerance of {} px: converged.",
-                numbers::fixed(tolerance, 4)
-            ),
-            false if number == iterations => {
-                format!(" Mean change of iteration {iterations}, the last of this warp: {change} {unit}.")
-            }
-            false if is_tested => format!(
-                " The mean change of {precise} {unit} is not below the tolerance of {} px: next iteration.",
-                numbers::fixed(tolerance, 4)
-            ),
-            false => format!(" Mean change of the iteration: {change} {unit}."),
-        };
+        let unit = change.unit.finer(u8::from(is_tested));
+        let energy = |of: &'static Variable, term: f32| of.is(term).in_unit(Unit::new(M::ENERGY_UNIT, 2));
+        let step = step
+            .put(value::TOLERANCE, tolerance)
+            .put_value(energy(value::SMOOTHNESS_TERM, note.smoothness))
+            .fact_as(energy(value::DATA_TERM, note.data), case::ENERGY)
+            .fact_of(change.in_unit(unit))
+            .fact_if(explain::value::ITERATION_ERROR, note.error.is_finite().then_some(note.error));
+        let has_converged = is_tested && note.change < tolerance;
+        if seen.point().is_some() {
+            return step;
+        }
         if !after.is_done {
-            return sentence.text(said);
+            return step.say(match is_tested {
+                _ if has_converged => case::CONVERGED,
+                _ if number == iterations => case::LAST_ITERATION,
+                true => case::NEXT_ITERATION,
+                false => explain::case::MEAN_CHANGE,
+            });
         }
         let frames = &after.fixed.frames;
         let [across, down] = frames.scale(frames.count() - 1);
         let conclusion = Conclusion::new(&frames.frame_pair, &after.flow(), across.max(down));
-        // The end of the run is about its result alone; what the last iteration changed stands in the facts.
-        let said = conclusion.tell(Step::at(line::WARP), &M::ADVICE).sentence;
-        let said = match is_tested && note.change >= tolerance {
-            true => said.text(format!(
-                " Not converged: the last iteration still changed the flow by {precise} px on average. More iterations \
-                 carry it on from the gradients into areas without any."
-            )),
-            false => said,
-        };
-        match Probe::at(seen) {
-            Some(probe) => said
-                .text(format!(" The formula is the {} of ", self.0.last_formula()))
-                .ink(Role::Reference, probe.pixel())
-                .text("."),
-            None => said,
-        }
+        // The end of the run is about its result alone; the change in the last iteration is among the facts.
+        let step = conclusion.tell(Step { sentence: Sentence::default(), ..step }, &M::ADVICE);
+        let step = step.say_if(is_tested && !has_converged, case::NOT_CONVERGED);
+        step.put(value::FORMULA, self.0.last_formula()).say(case::FORMULA)
     }
 
     /// Returns energy, change and error of the iteration that ends at the cursor.
@@ -122,56 +119,6 @@ impl<M: Model> Variational<M> {
         seen.after?;
         let Some(Event::Step(_, iteration)) = seen.events.last() else { return None };
         Some(self.note_of(seen.before, iteration))
-    }
-
-    /// The sentence at the start of a warp.
-    fn warped(&self, state: &State<M>) -> Sentence {
-        let (width, height) = state.fixed.frames.size(state.level);
-        let warp = format!("{} of {}", state.warp + 1, self.settings().warps);
-        let what = if state.is_first_warp() {
-            "the flow is still 0, so the derivatives are taken from both frames without warping."
-        } else {
-            "frame t+1 is warped toward frame t by the current flow (u₀, v₀), and brightness constancy is linearised again. \
-             I_t is now the residual that the current flow leaves."
-        };
-        Sentence::default().text(format!("Level {} ({width}×{height} px), warp {warp}: {what}", state.level))
-    }
-
-    fn facts(&self, seen: &Seen<Self>, probe: Option<(&Probe<M>, Vec<Fact>)>) -> Vec<Fact> {
-        let state = seen.before;
-        let fact = |label, value: String, role| Fact::new(label, value, role);
-        let (width, height) = state.fixed.frames.size(state.level);
-        let of = state.fixed.frames.count() - 1;
-        let mut facts = vec![
-            fact("Level", format!("{} ({of} is the coarsest), {width}×{height} px", state.level), None),
-            fact("Iteration", format!("{} of {}", state.iteration + 1, self.settings().iterations), None),
-        ];
-        if let Some((probe, more)) = probe {
-            let (x, y) = probe.place;
-            facts.push(fact("Pixel", words::pixel((x, y)), Some(Role::Reference)));
-            facts.push(probe.iteration.warp.linear.fact(probe.place));
-            facts.extend(probe.start().map(|start| fact("Linearised at (u₀, v₀)", probe.px(start), None)));
-            facts.push(fact("Flow before", probe.px(probe.from()), Some(Role::Best)));
-            facts.extend(more);
-            if seen.after.is_some() && probe.level > 0 {
-                let ([u, v], [across, down]) = (probe.to(), probe.scale);
-                let value = format!("{} px", numbers::vector([u * across, v * down]));
-                facts.push(fact("At full resolution", value, Some(Role::Result)));
-            }
-        }
-        if let Some(note) = self.noted(seen) {
-            let [data, smoothness] = [note.data, note.smoothness].map(numbers::gray);
-            facts.push(fact(
-                "Energy per pixel",
-                format!("{data} data term + {smoothness} smoothness term, in {}", M::ENERGY_UNIT),
-                None,
-            ));
-            facts.push(fact("Mean change", format!("{} px", numbers::px(note.change)), None));
-            if note.error.is_finite() {
-                facts.push(fact("Mean endpoint error", format!("{} px", numbers::px(note.error)), Some(Role::Truth)));
-            }
-        }
-        facts
     }
 
     /// Returns the pyramid, if it has several levels.
@@ -267,19 +214,6 @@ impl<M: Model> Variational<M> {
     }
 }
 
-/// The sentence of the median filter, before every warp but the first.
-fn medians<M: Model>(state: &State<M>) -> Sentence {
-    let from = match state.warp {
-        0 => {
-            "The flow of the coarser level is upsampled to this level, and its vectors are scaled by the same factor. "
-        }
-        _ => "",
-    };
-    Sentence::default().text(format!(
-        "{from}A 3×3 median filter on u and v removes outliers, so that they do not enter the next linearisation."
-    ))
-}
-
 /// The (u, v) plane: constraint lines, the flow before and after the step, and the true flow. A single line has its name at its
 /// displacement nearest to the neighbourhood mean, or else to the flow before the step: there the data term alone would lead.
 fn plane<M: Model>(state: &State<M>, probe: &Probe<M>, explanation: &Explanation) -> Readout {
@@ -297,7 +231,7 @@ fn plane<M: Model>(state: &State<M>, probe: &Probe<M>, explanation: &Explanation
     }
     Readout::Plane(Plane {
         title: "Constraint line and neighbourhood mean",
-        unit: probe.unit(),
+        unit: probe.unit().name.into(),
         reach,
         center,
         cost: energy.as_ref().map(|energy| {

@@ -10,6 +10,7 @@ mod model;
 pub mod primal_dual;
 mod run;
 mod solver;
+mod vocabulary;
 
 pub use declare::Settings;
 pub use local::{Local, MotionTensor};
@@ -17,3 +18,4 @@ pub use model::{Explanation, Model, Probe, Warp};
 pub use primal_dual::Dual;
 pub use run::Variational;
 pub use solver::Solver;
+pub use vocabulary::value;

@@ -4,11 +4,11 @@ use std::sync::{Arc, OnceLock};
 
 use super::Settings;
 use super::run::Note;
-use crate::base::{Threads, words};
-use crate::methods::differential::{Advice, Field, Linear, explain, numbers, relax};
+use crate::base::Threads;
+use crate::methods::differential::{Advice, Field, Linear, relax, unit_of};
 use crate::params::Params;
 use crate::run::{Guarantee, Info};
-use crate::scene::{Constraint, Fact, Math, Name, Question, Role, Sentence};
+use crate::scene::{Case, Constraint, Name, Question, Role, Step, Unit, Value, Variable};
 
 /// The unknowns of the minimisation: the flow field and any auxiliary variables.
 pub trait Unknowns: Clone + Send + Sync + 'static {
@@ -47,7 +47,7 @@ pub trait Model: Params + Default + Clone + Send + Sync + 'static {
     /// The unit of the energy.
     const ENERGY_UNIT: &'static str;
     /// The explanation of the energy, at the start of a run.
-    const OPENING: &'static str;
+    const OPENING: &'static Case;
     /// What would help where the method fails.
     const ADVICE: Advice;
     /// Numbers per pixel in [`Model::System`].
@@ -99,8 +99,8 @@ pub trait Model: Params + Default + Clone + Send + Sync + 'static {
         None
     }
 
-    /// Explains step `step` of an iteration at a pixel.
-    fn explanation(&self, step: usize, probe: &Probe<Self>) -> Explanation;
+    /// Explains the step `index` of an iteration at a pixel; `step` has the values that all methods share.
+    fn explanation(&self, index: usize, probe: &Probe<Self>, step: Step) -> Explanation;
 }
 
 /// A linearisation: the constraints of one warp.
@@ -168,41 +168,21 @@ impl<M: Model> Probe<'_, M> {
         (!start.is_zero()).then(|| start.at(self.place.0, self.place.1))
     }
 
-    /// Returns the constant term of the constraint: c after warping, else I_t.
-    pub fn rest(&self) -> Math {
-        if self.start().is_some() { Math::Var("c") } else { explain::derivative("t") }
-    }
-
-    /// Returns the definition of c, after warping.
-    pub fn definition(&self) -> Vec<Math> {
-        let definition = || self.iteration.warp.linear.definition(self.place, Role::Reference);
-        self.start().map(|_| definition().to_vec()).unwrap_or_default()
-    }
-
-    /// Returns a flow vector with its unit as text.
-    pub fn px(&self, uv: [f32; 2]) -> String {
-        format!("{} {}", numbers::vector(uv), self.unit())
-    }
-
     /// Returns the unit of flow on the level.
-    pub fn unit(&self) -> String {
-        if self.level == 0 { "px".into() } else { format!("px of level {}", self.level) }
+    pub fn unit(&self) -> Unit {
+        unit_of(self.level)
     }
 
-    /// Returns the pixel's name: `pixel (3, 4)`.
-    pub fn pixel(&self) -> String {
-        format!("pixel {}", words::pixel(self.place))
+    /// Returns the value of a flow vector in px of the level.
+    pub fn px(&self, of: &'static Variable, uv: [f32; 2]) -> Value {
+        of.is(uv).in_unit(self.unit())
     }
 }
 
 /// The explanation of one step of an iteration.
 pub struct Explanation {
-    /// What happens to the pixel, and why.
-    pub sentence: Sentence,
-    /// Facts beyond the derivatives and the flow before the step.
-    pub facts: Vec<Fact>,
-    /// The formula, in symbols and with numbers.
-    pub equation: Vec<Math>,
+    /// The step, with values, sentence and formulas.
+    pub step: Step,
     /// Points of the (u, v) plane beside the flow before the step and the true flow.
     pub points: Vec<(&'static str, Role, [f32; 2])>,
     /// Constraint lines.

@@ -1,9 +1,21 @@
 //! Iterative solvers of the linear system of a quadratic energy.
 
 use super::model::{Model, Probe};
+use super::vocabulary::{case, value};
 use crate::choices;
-use crate::methods::differential::{Field, numbers, relax, sor};
-use crate::scene::{Math, Name, Role, Sentence};
+use crate::methods::differential::{Field, relax, sor};
+use crate::scene::{Name, Role, Step};
+
+/// The step of an iteration that computes the neighbourhood mean.
+const AVERAGED: usize = 0;
+/// The step of SOR that extrapolates the update.
+const EXTRAPOLATED: usize = 2;
+
+/// The neighbourhood mean in symbols, with its value.
+const MEAN: [&str; 2] = [
+    r"\bar{u} = \frac{1}{6} \sum_\text{nearest} u + \frac{1}{12} \sum_\text{diagonal} u = {neighbourhood_mean:1}",
+    r"\bar{v} = \frac{1}{6} \sum_\text{nearest} v + \frac{1}{12} \sum_\text{diagonal} v = {neighbourhood_mean:2}",
+];
 
 choices! {
     /// Iterative solver of the linear system. All of them converge to the same flow.
@@ -38,110 +50,54 @@ impl Solver {
         if self == Solver::Sor { "over-relaxation" } else { "update" }
     }
 
-    /// Returns the name of the update of a pixel in the plane: SOR extrapolates it.
-    pub fn update_name(self) -> &'static str {
-        if self == Solver::Sor { "Gauss–Seidel" } else { "after" }
-    }
-
     /// Returns the neighbourhood mean that the update of a pixel used.
     pub fn mean_of<M: Model<Unknowns = Field>>(self, probe: &Probe<M>) -> [f32; 2] {
         let iteration = probe.iteration;
         let earlier = if self == Solver::Jacobi { &iteration.from } else { &iteration.to };
         relax::mean_around(earlier, &iteration.from, probe.place, sor::is_earlier)
     }
-}
 
-impl<M: Model<Unknowns = Field>> Probe<'_, M> {
-    /// Explains the neighbourhood mean.
-    pub fn averaged(&self, solver: Solver, mean: [f32; 2]) -> Sentence {
-        let of = if solver == Solver::Jacobi {
-            "Neighbourhood mean at "
-        } else {
-            "Neighbourhood mean of the newest values at "
-        };
-        Sentence::default()
-            .text(of)
-            .ink(Role::Reference, self.pixel())
-            .text(": ")
-            .ink(Role::Predicted, self.px(mean))
-            .text(". It minimises the smoothness term: the four nearest neighbours weigh 1/6 each, the diagonal ones 1/12, \
-                 and the image border is replicated.")
+    /// Returns the index of the update of u, v or both in a formula: SOR extrapolates it.
+    pub fn index(self) -> &'static str {
+        if self == Solver::Sor { r"_\text{GS}" } else { "" }
     }
 
-    /// Returns the neighbourhood mean, in symbols and with its value.
-    pub fn averages(&self, mean: [f32; 2]) -> Vec<Math> {
-        let share = |of: &'static str| Math::over(Math::text("1"), Math::text(of));
-        let sum = |over: &'static str| Math::Sum(Box::new(Math::text(over)));
-        let line = |i: usize, name: &'static str| {
-            Math::Row(vec![
-                Math::mean(Math::Var(name)),
-                Math::text(" = "),
-                share("6"),
-                Math::text(" "),
-                sum("nearest"),
-                Math::text(" "),
-                Math::Var(name),
-                Math::text(" + "),
-                share("12"),
-                Math::text(" "),
-                sum("diagonal"),
-                Math::text(" "),
-                Math::Var(name),
-                Math::text(" = "),
-                Math::ink(Role::Predicted, numbers::px(mean[i])),
-            ])
-        };
-        vec![line(0, "u"), line(1, "v")]
-    }
-
-    /// Explains the extrapolation of an update by SOR.
-    pub fn extrapolated(&self, update: [f32; 2], relaxation: f32) -> Sentence {
-        if relaxation == 1.0 || update == self.from() {
-            return Sentence::default()
-                .text("There is nothing to extrapolate for SOR: ")
-                .ink(Role::Reference, self.pixel())
-                .text(" has the Gauss–Seidel update ")
-                .ink(Role::Result, self.px(self.to()))
-                .text(".");
+    /// Explains the step `index` of an iteration at a pixel: the neighbourhood mean, the update, which `tell` explains, or its
+    /// extrapolation. Returns with it the points of the plane; before the update its result is none of them.
+    pub fn explained<M: Model<Unknowns = Field>>(
+        self,
+        (index, step): (usize, Step),
+        probe: &Probe<M>,
+        ([mean, update], relaxation): ([[f32; 2]; 2], f32),
+        tell: impl FnOnce(Step) -> Step,
+    ) -> (Step, Vec<(&'static str, Role, [f32; 2])>) {
+        let mean_point = ("mean", Role::Predicted, mean);
+        let step = step.put_value(probe.px(value::NEIGHBOURHOOD_MEAN, mean));
+        match index {
+            AVERAGED => {
+                let step =
+                    step.say(if self == Solver::Jacobi { case::MEAN } else { case::NEWEST_MEAN }).say(case::WEIGHTS);
+                (MEAN.iter().fold(step, Step::formula), vec![mean_point])
+            }
+            EXTRAPOLATED => {
+                let step = step.put_value(probe.px(value::UPDATE, update).inked(Role::Predicted));
+                let step = step.put(value::RELAXATION, relaxation).put_value(probe.px(value::FLOW_AFTER, probe.to()));
+                let has_effect = relaxation != 1.0 && update != probe.from();
+                let step = step.say(if has_effect { case::EXTRAPOLATED } else { case::NOT_EXTRAPOLATED });
+                let step = step.formula(r"(u, v) = (u, v)_\text{old} + \omega ((u, v)_\text{GS} - (u, v)_\text{old})");
+                let step = step.formula(
+                    r"u = {flow_before:1} + {relaxation} \cdot ({update:1} - {flow_before:1}) = {flow_after:1}",
+                );
+                let step = step.formula(
+                    r"v = {flow_before:2} + {relaxation} \cdot ({update:2} - {flow_before:2}) = {flow_after:2}",
+                );
+                (step, vec![("Gauss–Seidel", Role::Predicted, update), ("after", Role::Result, probe.to())])
+            }
+            _ => {
+                let name = if self == Solver::Sor { "Gauss–Seidel" } else { "after" };
+                let step = tell(step.put_value(probe.px(value::UPDATE, update)));
+                (step, vec![mean_point, (name, Role::Result, update)])
+            }
         }
-        Sentence::default()
-            .text(format!("SOR extrapolates the Gauss–Seidel update by ω = {}: ", numbers::gray(relaxation)))
-            .ink(Role::Reference, self.pixel())
-            .text(" goes from ")
-            .ink(Role::Best, numbers::vector(self.from()))
-            .text(" beyond ")
-            .ink(Role::Predicted, numbers::vector(update))
-            .text(" to ")
-            .ink(Role::Result, self.px(self.to()))
-            .text(". Smooth errors, which single updates hardly reduce, vanish in fewer iterations.")
-    }
-
-    /// Returns the extrapolation of SOR, in symbols and in numbers.
-    pub fn relaxed(&self, update: [f32; 2], relaxation: f32) -> Vec<Math> {
-        let (from, to) = (self.from(), self.to());
-        let line = |i: usize, name: &'static str| {
-            let indexed = |index: &'static str| Math::indexed(Math::Var(name), Math::text(index));
-            Math::Row(vec![
-                Math::Var(name),
-                Math::text(" = "),
-                indexed("old"),
-                Math::text(" + "),
-                Math::Var("ω"),
-                Math::text(" ("),
-                indexed("GS"),
-                Math::text(" − "),
-                indexed("old"),
-                Math::text(")"),
-                Math::text(" = "),
-                Math::ink(Role::Best, numbers::px(from[i])),
-                Math::text(format!(" + {} · (", numbers::gray(relaxation))),
-                Math::ink(Role::Predicted, numbers::px(update[i])),
-                Math::text(" − "),
-                Math::ink(Role::Best, numbers::factor(numbers::px(from[i]))),
-                Math::text(") = "),
-                Math::ink(Role::Result, numbers::px(to[i])),
-            ])
-        };
-        vec![line(0, "u"), line(1, "v")]
     }
 }

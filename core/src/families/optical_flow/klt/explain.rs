@@ -1,29 +1,19 @@
 //! The explanation and the drawing of the KLT tracker.
 
-use std::collections::BTreeMap;
-
-use super::{Event, Klt, Live, State, line};
-use crate::base::words;
+use super::vocabulary::{case, value};
+use super::{Event, Klt, Live, Pair, line};
 use crate::geometry::Grid;
-use crate::methods::differential::numbers;
 use crate::methods::features::{
-    LevelTrace,
     affine::{Fit, place},
-    conclusion, follow, reason_of,
+    be, conclude, follow,
+    level_trace::{LevelTrace, case as tracking_case, value as tracking, why},
+    lost,
     trails::{self, points},
-    why,
+    value as features,
 };
 use crate::products::{Feature, Status};
 use crate::run::Seen;
-use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Shape, Step, Tile};
-
-fn px(uv: [f32; 2]) -> String {
-    format!("{} px", numbers::vector(uv))
-}
-
-fn grays(difference: f32) -> String {
-    format!("{} gray levels", numbers::gray(difference))
-}
+use crate::scene::{Arrow, Picture, Readout, Role, Scene, Shape, Step, Tile};
 
 /// The current feature.
 fn live<'a>(seen: &Seen<'a, Klt>) -> Option<&'a Live> {
@@ -33,11 +23,6 @@ fn live<'a>(seen: &Seen<'a, Klt>) -> Option<&'a Live> {
 /// The last event that `of` accepts.
 fn last<T>(events: &[Event], of: impl Fn(&Event) -> Option<T>) -> Option<T> {
     events.iter().rev().find_map(of)
-}
-
-/// The forward–backward error of a feature, in px.
-fn fb_error(live: &Live, place: [f32; 2]) -> f32 {
-    (place[0] - live.at[0]).hypot(place[1] - live.at[1])
 }
 
 /// The position after tracking back, if it succeeded.
@@ -58,22 +43,130 @@ fn fit(events: &[Event]) -> Option<Fit> {
 
 impl Klt {
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
-        let line = match seen.events.last() {
-            None => line::EACH_FRAME,
-            Some(Event::Enough | Event::Found(_)) => line::DETECT,
-            Some(Event::Taken(_)) => line::TAKE_STRONGEST,
-            Some(Event::Forward(..)) => line::TRACK,
-            Some(Event::Back(_)) => line::TRACK_BACK,
-            Some(Event::Fit(_)) => line::FIT_FIRST_VIEW,
-            Some(Event::Correlated(_)) => line::CORRELATE,
-            Some(Event::Verdict(Feature { status, .. })) => match status {
-                Status::Astray => line::TRACK_BACK,
-                Status::Changed => line::IS_CHANGED,
-                Status::Tracked => line::MOVE,
-                _ => line::TRACK,
-            },
+        let frame = seen.before.frame;
+        let Some(event) = seen.events.last() else {
+            let step = Step::at(line::EACH_FRAME).put(value::FRAME, frame).put(value::FRAMES, self.frames);
+            return step.say(case::OPENING);
         };
-        Step { values: Vec::new(), line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
+        let step = match event {
+            Event::Enough => {
+                let said = if self.replenish { case::ENOUGH } else { case::REPLENISH_OFF };
+                self.counted(seen, Step::at(line::DETECT)).say(said)
+            }
+            Event::Found(found) => {
+                let detector = self.detector.estimator().info().name;
+                let step = self.counted(seen, Step::at(line::DETECT)).put(value::DETECTOR, detector);
+                let step = step.fact(value::KEYPOINTS, found.keypoints.points.len()).say(case::FOUND);
+                match found.keypoints.keypoints.first() {
+                    Some(first) => step.put(features::FIRST_RESPONSE, first.response).say(case::STRONGEST),
+                    None => step.say(case::END),
+                }
+            }
+            Event::Taken(found) => {
+                let step = self.counted(seen, Step::at(line::TAKE_STRONGEST));
+                let step = step.fact(value::KEYPOINTS, found.keypoints.points.len());
+                step.fact(value::NEW, found.taken.len()).put(features::MIN_DISTANCE, self.min_distance).say(case::TAKEN)
+            }
+            _ => self.tracked(seen, event),
+        };
+        step.show_all(trails::turnover("Features", &seen.before.counts, &seen.before.tracks, &seen.before.span))
+    }
+
+    /// Puts the numbers of tracked and of lost features.
+    fn counted(&self, seen: &Seen<Self>, step: Step) -> Step {
+        let (state, count) = (seen.before, seen.before.live.len());
+        let step = step.put(value::FRAME, state.frame).put(features::MAX_POINTS, self.max_points);
+        let last = state.tracks.iter().filter_map(|track| Some(track.points.last()?.status));
+        lost(step.put(features::BE, be(count)).fact(value::TRACKED_FEATURES, count), last)
+    }
+
+    /// Explains an event of the current feature.
+    fn tracked(&self, seen: &Seen<Self>, event: &Event) -> Step {
+        let (Some(live), Some(level_trace)) = (live(seen), self.level_trace(seen)) else {
+            return Step::at(line::EACH_FEATURE);
+        };
+        let at = |line| self.measured(seen, Step::at(line), (live, &level_trace));
+        let step = match event {
+            Event::Back(Ok(_)) => {
+                let step = at(line::TRACK_BACK).put(tracking::MAX_FB_ERROR, self.max_fb_error).say(case::RETURNED);
+                let is_above = step.real(tracking::FB_ERROR) > f64::from(self.max_fb_error);
+                step.say(if is_above { case::ABOVE } else { case::NOT_ABOVE })
+            }
+            Event::Back(Err(_)) => at(line::TRACK_BACK).say(case::FEATURE).say(case::NOT_RETURNED),
+            Event::Fit(_) => {
+                let step = at(line::FIT_FIRST_VIEW).put(value::MAX_DISSIMILARITY, self.max_dissimilarity);
+                step.say(case::FITTED).say_if(self.illumination, case::WITH_LIGHT).say(case::DISSIMILARITY)
+            }
+            Event::Correlated(None) => at(line::CORRELATE).say(case::UNEXPLAINED).say(case::NO_CONTRAST),
+            Event::Correlated(Some(correlation)) => {
+                let step = at(line::CORRELATE).put(value::CORRELATION, *correlation);
+                let step = step.put(value::MIN_CORRELATION, self.min_correlation).say(case::UNEXPLAINED);
+                step.say(if *correlation >= self.min_correlation { case::RESEMBLES } else { case::DIFFERS })
+            }
+            Event::Verdict(Feature { status: Status::Tracked, .. }) => {
+                self.concluded(seen, at(line::MOVE).say(case::FEATURE).say(case::PASSED))
+            }
+            Event::Verdict(Feature { status, .. }) => {
+                let step = at(match status {
+                    Status::Astray => line::TRACK_BACK,
+                    Status::Changed => line::IS_CHANGED,
+                    _ => line::TRACK,
+                });
+                let is_first = step.real(value::TRACK_LENGTH) == 1.0;
+                let step = step.say(case::FEATURE).say(tracking_case::LOST);
+                let step = step.say(if is_first { case::IN_FIRST_PAIR } else { case::AFTER });
+                self.concluded(seen, step.say(why(*status)))
+            }
+            _ => level_trace.tell(at(line::TRACK), case::FEATURE),
+        };
+        match (event, fit(seen.events)) {
+            (Event::Fit(_) | Event::Correlated(_) | Event::Verdict(_), Some(fit)) => {
+                self.equations(step).show(Readout::Tiles(views(&level_trace, live, &fit)))
+            }
+            _ => level_trace.charted(step, true_displacement(seen, live)),
+        }
+    }
+
+    /// Puts the values of the current feature so far.
+    fn measured(&self, seen: &Seen<Self>, step: Step, (live, level_trace): (&Live, &LevelTrace)) -> Step {
+        let track = &seen.before.tracks[live.track as usize];
+        let is_tracked = matches!(seen.events.last(), Some(Event::Verdict(feature)) if feature.displacement.is_some());
+        let length = track.points.len() + usize::from(is_tracked);
+        let step = step.put(tracking::POSITION, live.at).put(value::TRACK_LENGTH, length);
+        let step = step.fact_as(value::FEATURE.is(live.track + 1), case::FEATURE_AT);
+        let mut step = level_trace.put(step.fact_as(value::FIRST_FRAME.is(track.first), case::FRAME));
+        if let Some([x, y]) = back(seen.events) {
+            step = step.put(value::RETURNED, [x, y]).fact(tracking::FB_ERROR, (x - live.at[0]).hypot(y - live.at[1]));
+        }
+        if let Some(Fit { matrix, shift, light: [gain, offset], difference, .. }) = fit(seen.events) {
+            step = step.put(value::MATRIX, Grid::from_fn(2, 2, |x, y| f64::from(matrix[y][x])));
+            step = step.put(value::SHIFT, shift).put(value::SHIFT_LENGTH, shift[0].hypot(shift[1]));
+            step = step.fact(value::DISSIMILARITY, difference).put(value::OFFSET, offset);
+            step = if self.illumination { step.fact_as(value::GAIN.is(gain), case::LIGHT) } else { step };
+        }
+        step.fact_if(tracking::TRUE_DISPLACEMENT, true_displacement(seen, live))
+    }
+
+    /// Writes the objective of the affine fit and its result.
+    fn equations(&self, step: Step) -> Step {
+        if !self.illumination {
+            let step = step.formula(r"\sum (J(\mathbf{A}\,o + s) - I(o))^2 \to \min");
+            return step.formula(r"\mathbf{A} = {matrix}, s = {shift}");
+        }
+        let step = step.formula(r"\sum (J(\mathbf{A}\,o + s) - \lambda I(o) - \delta)^2 \to \min");
+        step.formula(r"\mathbf{A} = {matrix}, s = {shift}").formula(r"\lambda = {gain}, \delta = {offset}")
+    }
+
+    /// Adds the conclusion at the end of a pair.
+    fn concluded(&self, seen: &Seen<Self>, step: Step) -> Step {
+        let frame = seen.before.frame;
+        let (Some(after), Some((pair, _))) = (seen.after, last_forward(seen.events)) else { return step };
+        if after.frame == frame {
+            return step;
+        }
+        let features = after.tracks.iter().filter_map(|track| track.at(frame)).copied();
+        let step = step.put(value::FRAME, frame).put(value::NEXT_FRAME, after.frame).say(case::END_OF_PAIR);
+        conclude(step, "feature", features, pair.truth.as_deref())
     }
 
     /// Returns the tracking of the feature on the current level.
@@ -96,202 +189,7 @@ impl Klt {
             at: live(seen)?.at,
             guess: guess.unwrap_or_default(),
             events: of_level(level).collect(),
-            name: self.name(seen),
         })
-    }
-
-    fn name(&self, seen: &Seen<Self>) -> String {
-        format!("Feature {}", live(seen).map_or(0, |live| live.track + 1))
-    }
-
-    fn sentence(&self, seen: &Seen<Self>) -> Sentence {
-        let (state, said) = (seen.before, Sentence::default());
-        let frame = state.frame;
-        let Some(event) = seen.events.last() else {
-            return said.text(format!(
-                "KLT detects features in frame {frame} and tracks them from frame to frame, through at most {} frames. Checks \
-                 end tracks that drift or are occluded.",
-                self.frames
-            ));
-        };
-        match event {
-            Event::Enough if self.replenish => said.text(format!(
-                "No new features in frame {frame}: {} tracked, and the maximum number of points, {}, is reached.",
-                match state.live.len() {
-                    1 => "1 feature is".to_owned(),
-                    count => format!("{count} features are"),
-                },
-                self.max_points
-            )),
-            Event::Enough => said.text(format!(
-                "No new features in frame {frame}: replenish is off, so lost features are not replaced."
-            )),
-            Event::Found(found) => said
-                .text(format!(
-                    "{} of at most {} features are tracked. {} in frame {frame}: ",
-                    state.live.len(),
-                    self.max_points,
-                    self.detector.estimator().info().name
-                ))
-                .ink(Role::Best, words::counted(found.keypoints.points.len(), "keypoint"))
-                .text(format!(
-                    "{}.",
-                    match found.keypoints.keypoints.first().map(|keypoint| keypoint.response) {
-                        Some(most) => format!(", the strongest with response {}", numbers::gray(most)),
-                        None => String::new(),
-                    }
-                )),
-            Event::Taken(found) => said.ink(Role::Result, words::counted(found.taken.len(), "new feature")).text(format!(
-                ", in order of decreasing response, each at least {} px (the minimum distance) from all others. Their first views are \
-                 stored for the affine check.",
-                self.min_distance
-            )),
-            Event::Forward(..) => self.level_trace(seen).map_or(said, |level_trace| level_trace.sentence()),
-            Event::Back(result) => self.backward(seen, *result),
-            Event::Fit(fit) => {
-                let since = live(seen).map_or(0, |live| state.tracks[live.track as usize].first);
-                said.text("Affine fit of the first view (frame ")
-                    .text(format!("{since}) of "))
-                    .ink(Role::Reference, self.name(seen).to_lowercase())
-                    .text(": ")
-                    .ink(Role::Estimate, matrix(fit))
-                    .text(format!(
-                        ", shift {} px{}. Dissimilarity: {}, at most {} is accepted.",
-                        numbers::px(fit.shift[0].hypot(fit.shift[1])),
-                        if self.illumination { format!(", {}", light(fit)) } else { String::new() },
-                        grays(fit.difference),
-                        numbers::gray(self.max_dissimilarity)
-                    ))
-            }
-            Event::Correlated(correlation) => {
-                let fit = fit(seen.events).map_or_else(String::new, |fit| format!(" (last dissimilarity {})", grays(fit.difference)));
-                said.text(format!("No affine map explains the window within the limit{fit}. Correlation with the first view: "))
-                    .ink(Role::Estimate, match correlation {
-                        Some(correlation) => format!("ρ\u{a0}= {}", numbers::fixed(*correlation, 2)),
-                        None => "undefined, as the window has no contrast".into(),
-                    })
-                    .text(match correlation {
-                        Some(correlation) if *correlation >= self.min_correlation => format!(
-                            ", not below {}: the feature has deformed, and is kept.",
-                            numbers::fixed(self.min_correlation, 2)
-                        ),
-                        Some(_) => format!(", below {}: it shows something else.", numbers::fixed(self.min_correlation, 2)),
-                        None => ".".into(),
-                    })
-            }
-            Event::Verdict(feature) => self.concluded(seen, self.verdict(seen, feature)),
-        }
-    }
-
-    fn backward(&self, seen: &Seen<Self>, result: Result<[f32; 2], Status>) -> Sentence {
-        let said = Sentence::default();
-        match (live(seen), result) {
-            (Some(live), Ok(place)) => {
-                let off_px = fb_error(live, place);
-                let (role, verdict) =
-                    if off_px > self.max_fb_error { (Role::Rejected, "rejected") } else { (Role::Best, "accepted") };
-                said.text("Forward–backward check of ")
-                    .ink(Role::Reference, self.name(seen).to_lowercase())
-                    .text(": tracking back ends at ")
-                    .ink(Role::Predicted, numbers::vector(place))
-                    .text(format!(
-                        ". The forward–backward error of {} px is {} the maximum of {} px: ",
-                        numbers::px(off_px),
-                        if off_px > self.max_fb_error { "above" } else { "not above" },
-                        numbers::px(self.max_fb_error)
-                    ))
-                    .ink(role, verdict)
-                    .text(".")
-            }
-            _ => said
-                .ink(Role::Reference, self.name(seen))
-                .text(": tracking back fails, so the forward–backward check is ")
-                .ink(Role::Rejected, "not passed")
-                .text("."),
-        }
-    }
-
-    fn verdict(&self, seen: &Seen<Self>, feature: &Feature) -> Sentence {
-        let said = Sentence::default().ink(Role::Reference, self.name(seen));
-        let frames = live(seen).map_or(0, |live| seen.before.tracks[live.track as usize].points.len());
-        let Some(displacement) = feature.displacement else {
-            let after = if frames == 1 { "in its first pair".into() } else { format!("after {frames} frames") };
-            return said.text(" is ").ink(Role::Rejected, format!("lost {after}")).text(why(feature.status));
-        };
-        said.text(" passes all checks: displacement ")
-            .ink(Role::Result, px(displacement))
-            .text(format!(", track length {} frames.", frames + 1))
-    }
-
-    /// Adds the conclusion of a pair and of the run, at the end of each.
-    fn concluded(&self, seen: &Seen<Self>, sentence: Sentence) -> Sentence {
-        let frame = seen.before.frame;
-        let (Some(after), Some((pair, _))) = (seen.after, last_forward(seen.events)) else { return sentence };
-        if after.frame == frame {
-            return sentence;
-        }
-        let features = after.tracks.iter().filter_map(|track| track.at(frame)).copied();
-        let conclusion = conclusion("features", features, pair.truth.as_deref());
-        sentence.text(format!(" End of the pair of frames {frame} and {}: {conclusion}", after.frame))
-    }
-
-    fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
-        let Some(live) = live(seen) else {
-            let found = seen.events.last().and_then(|event| match event {
-                Event::Found(found) | Event::Taken(found) => Some(found),
-                _ => None,
-            });
-            let mut facts = vec![Fact::new("Tracked features", seen.before.live.len().to_string(), None)];
-            facts.extend(lost(seen.before).map(|lost| Fact::new("Lost so far", lost, Some(Role::Rejected))));
-            // Each number from the step that determines it.
-            let stage = seen.events.len();
-            facts.extend(found.map(|found| Fact::new("Keypoints", found.keypoints.points.len().to_string(), None)));
-            let taken = found.filter(|_| stage > 1);
-            facts.extend(taken.map(|found| Fact::new("New features", found.taken.len().to_string(), None)));
-            let plots = plots(seen.before).into_iter();
-            return if seen.events.is_empty() {
-                Vec::new()
-            } else {
-                [Readout::Facts(facts)].into_iter().chain(plots).collect()
-            };
-        };
-        let level_trace = self.level_trace(seen);
-        let mut readouts = vec![Readout::Facts(self.facts(seen, live, level_trace.as_ref()))];
-        match (seen.events.last(), level_trace, fit(seen.events)) {
-            (Some(Event::Fit(_) | Event::Correlated(_) | Event::Verdict(_)), Some(level_trace), Some(fit)) => {
-                readouts.push(Readout::Equation(equation(&fit, self.illumination)));
-                readouts.push(Readout::Tiles(views(&level_trace, live, &fit)));
-            }
-            (_, Some(level_trace), _) => readouts.extend(level_trace.readouts(true_displacement(seen, live))),
-            _ => {}
-        }
-        readouts.extend(plots(seen.before));
-        readouts
-    }
-
-    fn facts(&self, seen: &Seen<Self>, live: &Live, level_trace: Option<&LevelTrace>) -> Vec<Fact> {
-        let track = &seen.before.tracks[live.track as usize];
-        let mut facts = vec![
-            Fact::new("Feature", format!("{} at {}", live.track + 1, numbers::vector(live.at)), Some(Role::Reference)),
-            Fact::new("Detected in", format!("frame {}", track.first), None),
-        ];
-        facts.extend(level_trace.map(LevelTrace::facts).unwrap_or_default());
-        if let Some(place) = back(seen.events) {
-            let off_px = fb_error(live, place);
-            facts.push(Fact::new(
-                "Forward–backward error",
-                format!("{} px", numbers::px(off_px)),
-                Some(Role::Predicted),
-            ));
-        }
-        if let Some(fit) = fit(seen.events) {
-            facts.push(Fact::new("Dissimilarity", grays(fit.difference), Some(Role::Estimate)));
-            facts.extend(self.illumination.then(|| Fact::new("Gain λ, offset δ", light(&fit), None)));
-        }
-        facts.extend(
-            true_displacement(seen, live).map(|truth| Fact::new("True displacement", px(truth), Some(Role::Truth))),
-        );
-        facts
     }
 
     pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
@@ -317,7 +215,7 @@ impl Klt {
     }
 }
 
-fn last_forward(events: &[Event]) -> Option<(&super::Pair, &usize)> {
+fn last_forward(events: &[Event]) -> Option<(&Pair, &usize)> {
     events.iter().rev().find_map(|event| match event {
         Event::Forward(pair, level, _) => Some((&**pair, level)),
         _ => None,
@@ -365,48 +263,6 @@ fn draw_view(level_trace: &LevelTrace, fit: &Fit, is_refused: bool, scene: &mut 
     scene.legend(role, "first view, mapped by the affine fit");
 }
 
-fn matrix(fit: &Fit) -> String {
-    let [[a, b], [c, d]] = fit.matrix.map(|row| row.map(numbers::px));
-    format!("A\u{a0}= ({a},\u{a0}{b}; {c},\u{a0}{d})")
-}
-
-/// The entries of A in brackets.
-fn entries(fit: &Fit) -> Math {
-    let entry = |value: &f32| Math::ink(Role::Estimate, numbers::fixed(*value, 3));
-    Math::Matrix(fit.matrix.iter().map(|row| row.iter().map(entry).collect()).collect())
-}
-
-/// Gain and offset of a fit: `λ = 0.920, δ = −3.10`.
-fn light(Fit { light: [gain, offset], .. }: &Fit) -> String {
-    format!("λ\u{a0}= {}, δ\u{a0}= {}", numbers::px(*gain), numbers::gray(*offset))
-}
-
-/// The objective of the fit and its result.
-fn equation(fit: &Fit, with_illumination: bool) -> Vec<Math> {
-    let (text, var) = (|text: &str| Math::text(text), Math::Var);
-    let mut symbols =
-        vec![text("Σ ("), var("J"), text("("), Math::Bold("A"), text(" "), var("o"), text(" + "), var("s")];
-    symbols.push(text(") − "));
-    symbols.extend(with_illumination.then(|| var("λ")));
-    symbols.extend([var("I"), text("("), var("o"), text(")")]);
-    if with_illumination {
-        symbols.extend([text(" − "), var("δ")]);
-    }
-    symbols.extend([Math::power(text(")"), text("2")), text(" → min")]);
-    let numbers = Math::Row(vec![
-        Math::Bold("A"),
-        text(" = "),
-        entries(fit),
-        text(", "),
-        var("s"),
-        text(" = "),
-        Math::ink(Role::Estimate, numbers::vector(fit.shift)),
-    ]);
-    let mut lines = vec![Math::Row(symbols), numbers];
-    lines.extend(with_illumination.then(|| Math::ink(Role::Estimate, light(fit))));
-    lines
-}
-
 /// The first view, the mapped window, and their difference.
 fn views(level_trace: &LevelTrace, live: &Live, fit: &Fit) -> Vec<Tile> {
     let side = live.view.side();
@@ -422,19 +278,4 @@ fn views(level_trace: &LevelTrace, live: &Live, fit: &Fit) -> Vec<Tile> {
         tile("Mapped window", Some(Role::Best), now, [0.0, 255.0]),
         tile("Difference", None, difference, [-most, most]),
     ]
-}
-
-/// The number of lost features, by reason.
-fn lost(state: &State) -> Option<String> {
-    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
-    let last = state.tracks.iter().filter_map(|track| track.points.last());
-    for reason in last.filter_map(|point| reason_of(point.status)) {
-        *counts.entry(reason).or_default() += 1;
-    }
-    let reasons: Vec<String> = counts.into_iter().map(|(reason, count)| format!("{count} {reason}")).collect();
-    (!reasons.is_empty()).then(|| reasons.join(", "))
-}
-
-fn plots(state: &State) -> Option<Readout> {
-    trails::turnover("Features", &state.counts, &state.tracks, &state.span)
 }

@@ -1,17 +1,88 @@
 //! The explanation and the drawing of Lucas and Kanade's method.
 
 use super::{ADVICE, Event, LucasKanade, Solution, line, solved};
-use crate::base::{Threads, words};
+use crate::base::Threads;
 use crate::data::Flow;
 use crate::geometry::Sampling;
 use crate::methods::differential::{
-    Conclusion, Constraints, EDGE_RATIO, FramePair, Linear, Tensor, Texture, explain, field, numbers,
+    Conclusion, Constraints, EDGE_RATIO, FramePair, Linear, Tensor, Texture,
+    explain::{self, case as shared_case, value as shared},
+    field,
 };
 use crate::run::Seen;
 use crate::scene::{
-    Constraint, Fact, Footing, Math, Picture, Plane, PlaneCost, Readout, Role, Scene, Sentence, Shape, Spread, Step,
+    Case, Constraint, Footing, Picture, Plane, PlaneCost, Readout, Role, Scene, Shape, Spread, Step, Unit,
     arrow_spacing,
 };
+use crate::{cases, variables};
+
+variables! {
+    /// The pixels of the window that the flow leads out of frame t+1.
+    OUTSIDE: "Outside frame t+1", "", Unit::WHOLE;
+    /// The pixels of the window that the flow leads out of frame t+1, besides the inspected one.
+    OTHERS_OUTSIDE: "", "", Unit::WHOLE;
+    /// The pixels of the window in frame t.
+    WINDOW_PIXELS: "", "", Unit::count("pixel");
+    /// The least ratio of the eigenvalues of an edge.
+    EDGE_RATIO: "", "", Unit::WHOLE;
+    /// The texture of the window by its eigenvalues.
+    TEXTURE: "", "", Unit::WHOLE;
+    /// The sums Σ w I_x², Σ w I_x I_y and Σ w I_y² over the window.
+    TENSOR: "", r"\mathbf{T}", Unit::FINE, Role::Reference;
+    /// The right-hand side of the normal equations.
+    RIGHT_SIDE: "", "", Unit::FINE, Role::Reference;
+    /// The flow by least squares.
+    FLOW: "Flow (u, v)", "(u, v)", Unit::SUBPIXEL, Role::Result;
+    /// The distance of the flow from the true flow.
+    ENDPOINT_ERROR: "", "", Unit::SUBPIXEL;
+    /// The root of the weighted mean of the squared residuals of the gradient constraints.
+    RMS_RESIDUAL: "RMS residual of the constraints", "", Unit::GRAY;
+    /// The standard deviation of the flow along the dominant gradient.
+    DEVIATION_ALONG: "Standard deviation of the flow", "", Unit::SUBPIXEL;
+    /// The standard deviation of the flow across the dominant gradient.
+    DEVIATION_ACROSS: "", "", Unit::SUBPIXEL;
+    /// The share of the windows that are corners.
+    CORNERS: "", "", Unit::WHOLE_PERCENT;
+    /// The share of the windows that are edges.
+    EDGES: "", "", Unit::WHOLE_PERCENT;
+    /// The share of the windows that are flat.
+    FLAT: "", "", Unit::WHOLE_PERCENT;
+}
+
+cases! { pub(super) over value, shared;
+    OPENING: "One gradient constraint has two unknowns, so Lucas and Kanade assume constant flow in a window. Least squares gives \
+              T (u, v) = −Σ w ∇I I_t with the structure tensor T. (Course notes with (I_x, I_y; I_t, I_y) (u, v) = −(I_t, I_x) are \
+              misprinted.)",
+    FIRST_ITERATION: "Iteration {iteration} of {iterations}: the flow is still 0, so the gradient constraints are taken from both frames \
+                      without warping.",
+    LATER_ITERATION: "Iteration {iteration} of {iterations}: frame t+1 is warped toward frame t by the current flow (u₀, v₀), and \
+                      brightness constancy is linearised again. This reduces the linearisation error of large motion.",
+    WINDOW: "Window of {reference|pixel} {pixel}",
+    PIXEL_OUTSIDE: ": the flow (u₀, v₀) leads the pixel itself and {others_outside} of the {window_pixels} of its window out of frame \
+                    t+1. The other constraints, λ₁ = {lambda_1} and λ₂ = {lambda_2}, do not determine the flow: it is unknown.",
+    ALL_OUTSIDE: ": the flow leads all its pixels out of frame t+1. Without constraints the flow is unknown.",
+    SMALLER: ": λ₂ = {lambda_2} is",
+    BOTH: ": λ₁ = {lambda_1} and λ₂ = {lambda_2} are both",
+    LARGER: ": λ₁ = {lambda_1}, but λ₂ = {lambda_2} is",
+    BELOW: "below the threshold of {min_eigenvalue}",
+    ROUNDING: "0 up to rounding",
+    MANY_DIRECTIONS: ", and λ₁ = {lambda_1} is less than {edge_ratio} times as large, so this is no edge but a flat window: its weak \
+                      gradients have many directions.",
+    FLAT_WINDOW: ", a flat window.",
+    FLAT: "Noise would determine the solution, so the flow is unknown.",
+    EDGE: ", an edge. The constraint lines are nearly parallel (aperture problem), so the flow is unknown.",
+    CORNER: ": λ₁ = {lambda_1} and λ₂ = {lambda_2} exceed the threshold of {min_eigenvalue},",
+    NOISY: "λ₂ only slightly, so noise has much influence on the solution.",
+    WELL_CONDITIONED: "so the constraint lines intersect well.",
+    SOLVED: "Least squares gives (u, v) = {flow}",
+    ENDPOINT_ERROR: "; endpoint error {endpoint_error}.",
+    END: ".",
+    GAPS: "The cost surface ends where the window leaves frame t+1.",
+    END_OF_ITERATION: "End of the iteration: {corners} of the windows are corners with flow, {edges} edges, {flat} flat.",
+    EIGENVALUES: "{lambda_1} and {lambda_2}: {texture}",
+    OUTSIDE_OF: "{outside} of {window_pixels} of the window",
+    DEVIATIONS: "{deviation_along} along the gradient, {deviation_across} across",
+}
 
 /// The inspected pixel, the one pointed at or else the current one, with the solution of its window.
 struct Probe<'a> {
@@ -30,18 +101,6 @@ impl Probe<'_> {
 
 /// How many times the threshold the smaller eigenvalue must be to exceed it clearly.
 const CLEAR: f32 = 2.0;
-
-fn px(uv: [f32; 2]) -> String {
-    format!("{} px", numbers::vector(uv))
-}
-
-/// The end of a sentence after the flow `found`: its endpoint error where the true flow is known.
-fn endpoint_error(truth: Option<[f32; 2]>, found: [f32; 2]) -> String {
-    match truth.map(|[u, v]| (found[0] - u).hypot(found[1] - v)).filter(|error| error.is_finite()) {
-        Some(error) => format!("; endpoint error {} px.", numbers::px(error)),
-        None => ".".into(),
-    }
-}
 
 impl LucasKanade {
     fn probe<'a>(&self, seen: &Seen<'a, Self>) -> Option<Probe<'a>> {
@@ -64,41 +123,103 @@ impl LucasKanade {
         if let [Event::Linearized] = seen.events {
             return self.linearized(seen.before.iteration);
         }
-        let Some(probe) = self.probe(seen) else {
-            let sentence = "One gradient constraint has two unknowns, so Lucas and Kanade assume constant flow in a window. \
-                            Least squares gives T (u, v) = −Σ w ∇I I_t with the structure tensor T. (Course \
-                            notes with (I_x, I_y; I_t, I_y) (u, v) = −(I_t, I_x) are misprinted.)";
-            return Step {
-                values: Vec::new(),
-                line: line::START_AT_ZERO,
-                sentence: Sentence::default().text(sentence),
-                readouts: Vec::new(),
-            };
-        };
-        let line = if probe.is_solved() { line::SOLVE } else { line::IS_SINGULAR };
-        let (sentence, readouts) = (self.sentence(seen, &probe), self.readouts(seen, &probe));
-        let has_gaps = readouts.iter().any(|readout| match readout {
-            Readout::Plane(plane) => plane.cost.as_ref().is_some_and(PlaneCost::has_gaps),
-            _ => false,
-        });
-        let border = " The cost surface ends where the window leaves frame t+1.";
-        let sentence = sentence.text(if has_gaps { border } else { "" });
-        Step { sentence: self.concluded(seen, sentence), readouts, ..Step::at(line) }
+        let Some(probe) = self.probe(seen) else { return Step::at(line::START_AT_ZERO).say(case::OPENING) };
+        let step = Step::at(if probe.is_solved() { line::SOLVE } else { line::IS_SINGULAR });
+        let step = self.told(self.measured(seen, step, &probe), &probe);
+        let plane = self.plane(&seen.before.frame_pair, &probe);
+        let step = step.say_if(plane.cost.as_ref().is_some_and(PlaneCost::has_gaps), case::GAPS);
+        let step = self.concluded(seen, equations(step, &probe, seen.before.iteration > 0)).show(Readout::Plane(plane));
+        let [current, next] = &seen.before.frame_pair.pictures;
+        step.show(Readout::Tiles(probe.linear.tiles([current, next], probe.pixel, (self.window / 2).min(5))))
     }
 
     /// Explains the linearisation before the first row of an iteration.
     fn linearized(&self, iteration: usize) -> Step {
-        let number = format!("Iteration {} of {}", iteration + 1, self.iterations);
-        let what = match iteration {
-            0 => ": the flow is still 0, so the gradient constraints are taken from both frames without warping.",
-            _ => {
-                ": frame t+1 is warped toward frame t by the current flow (u₀, v₀), and brightness constancy is linearised \
-                 again. This reduces the linearisation error of large motion."
-            }
+        let step = Step::at(line::LINEARIZE).put(shared::ITERATIONS, self.iterations);
+        let step = step.fact_as(shared::ITERATION.is(iteration + 1), shared_case::ITERATION);
+        step.say(if iteration == 0 { case::FIRST_ITERATION } else { case::LATER_ITERATION })
+    }
+
+    /// Puts the values of a window.
+    fn measured(&self, seen: &Seen<Self>, step: Step, probe: &Probe) -> Step {
+        let Probe { pixel, linear, tensor, solution, spread } = *probe;
+        let (Solution { displacement, eigenvalues: [large, small], texture }, frames) =
+            (solution, &seen.before.frame_pair);
+        let texture = match texture {
+            Texture::Unknown => "unknown",
+            Texture::Flat => "flat",
+            Texture::Edge => "edge",
+            Texture::Corner => "corner",
         };
-        let facts = vec![Fact::new("Iteration", format!("{} of {}", iteration + 1, self.iterations), None)];
-        let sentence = Sentence::default().text(number + what);
-        Step { values: Vec::new(), line: line::LINEARIZE, sentence, readouts: vec![Readout::Facts(facts)] }
+        let mut step = linear.put(step, pixel).put(shared::MIN_EIGENVALUE, self.min_eigenvalue);
+        if seen.before.iteration > 0 {
+            step = step.fact_of(shared::START.is(linear.start.at(pixel.0, pixel.1)).inked(Role::Best));
+        }
+        let [outside, all] = self.outside(&linear.factors, pixel);
+        step = step.put(value::OTHERS_OUTSIDE, outside.saturating_sub(1)).put(value::WINDOW_PIXELS, all);
+        if outside > 0 {
+            step = step.fact_as(value::OUTSIDE.is(outside), case::OUTSIDE_OF);
+        }
+        step = step.put(value::EDGE_RATIO, EDGE_RATIO).put(shared::LAMBDA_2, small).put(value::TEXTURE, texture);
+        step = step.fact_as(shared::LAMBDA_1.is(large), case::EIGENVALUES);
+        if probe.is_solved() {
+            let residual = tensor.residual(displacement).sqrt();
+            step = step.fact(value::FLOW, displacement).fact(value::RMS_RESIDUAL, residual);
+        }
+        if let Some(Spread { radii: [along, across], .. }) = spread {
+            let along = value::DEVIATION_ALONG.is(along);
+            step = step.put(value::DEVIATION_ACROSS, across).fact_as(along, case::DEVIATIONS);
+        }
+        let truth = frames.true_displacement(pixel);
+        if let Some([u, v]) = truth.filter(|_| probe.is_solved()) {
+            step = step.put(value::ENDPOINT_ERROR, (displacement[0] - u).hypot(displacement[1] - v));
+        }
+        step.fact_if(shared::TRUE_FLOW, truth)
+    }
+
+    /// Says what the eigenvalues of a window show.
+    fn told(&self, step: Step, probe: &Probe) -> Step {
+        let Solution { eigenvalues: [large, small], texture, .. } = probe.solution;
+        // An eigenvalue above the threshold is refused only for rounding errors.
+        let why = |eigenvalue: f32| -> &'static Case {
+            if eigenvalue < self.min_eigenvalue { case::BELOW } else { case::ROUNDING }
+        };
+        let step = step.say(case::WINDOW);
+        match texture {
+            Texture::Unknown => step.say(case::ALL_OUTSIDE),
+            // The constraint of the pixel itself is unknown: the rest of the window decides nothing.
+            Texture::Flat | Texture::Edge if !probe.linear.factors.is_known(probe.pixel) => {
+                step.say(case::PIXEL_OUTSIDE)
+            }
+            Texture::Flat if large >= self.min_eigenvalue && small > 0.0 => {
+                step.say(case::SMALLER).say(why(small)).say(case::MANY_DIRECTIONS).say(case::FLAT)
+            }
+            Texture::Flat => step.say(case::BOTH).say(why(large)).say(case::FLAT_WINDOW).say(case::FLAT),
+            Texture::Edge => step.say(case::LARGER).say(why(small)).say(case::EDGE),
+            Texture::Corner => {
+                let is_noisy = small < CLEAR * self.min_eigenvalue;
+                let step = step.say(case::CORNER).say(if is_noisy { case::NOISY } else { case::WELL_CONDITIONED });
+                let has_error = step.value(value::ENDPOINT_ERROR).is_some();
+                step.say(case::SOLVED).say(if has_error { case::ENDPOINT_ERROR } else { case::END })
+            }
+        }
+    }
+
+    /// Adds the conclusion of an iteration and of the run, at the end of each.
+    fn concluded(&self, seen: &Seen<Self>, step: Step) -> Step {
+        let (Some(after), None) = (seen.after, seen.point()) else { return step };
+        if after.iteration == seen.before.iteration {
+            return step;
+        }
+        if after.iteration == self.iterations {
+            return Conclusion::new(&after.frame_pair, &Flow(after.flow(&[])), 1.0).tell(step, &ADVICE);
+        }
+        let share = |wanted: Texture| {
+            let count = after.found.iter().filter(|solution| solution.texture == wanted).count();
+            100.0 * count as f32 / after.found.len().max(1) as f32
+        };
+        let step = step.put(value::CORNERS, share(Texture::Corner)).put(value::EDGES, share(Texture::Edge));
+        step.put(value::FLAT, share(Texture::Flat)).say(case::END_OF_ITERATION)
     }
 
     pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
@@ -119,145 +240,26 @@ impl LucasKanade {
         }
     }
 
-    /// Adds the conclusion of an iteration and of the run, at the end of each.
-    fn concluded(&self, seen: &Seen<Self>, sentence: Sentence) -> Sentence {
-        let (Some(after), None) = (seen.after, seen.point()) else { return sentence };
-        if after.iteration == seen.before.iteration {
-            return sentence;
-        }
-        if after.iteration == self.iterations {
-            let conclusion = Conclusion::new(&after.frame_pair, &Flow(after.flow(&[])), 1.0);
-            return sentence.text(" ").then(conclusion.tell(Step::at(line::SOLVE), &ADVICE).sentence);
-        }
-        let count = |wanted: Texture| after.found.iter().filter(|solution| solution.texture == wanted).count();
-        let percent = |count: usize| format!("{:.0} %", 100.0 * count as f32 / after.found.len().max(1) as f32);
-        sentence.text(format!(
-            " End of the iteration: {} of the windows are corners with flow, {} edges, {} flat.",
-            percent(count(Texture::Corner)),
-            percent(count(Texture::Edge)),
-            percent(count(Texture::Flat))
-        ))
-    }
-
-    fn sentence(&self, seen: &Seen<Self>, probe: &Probe) -> Sentence {
-        let Solution { displacement, eigenvalues, texture } = probe.solution;
-        let (x, y) = probe.pixel;
-        let [large, small] = eigenvalues.map(numbers::gray);
-        let said =
-            Sentence::default().text("Window of ").ink(Role::Reference, format!("pixel {}", words::pixel((x, y))));
-        // An eigenvalue above the threshold is refused only for rounding errors.
-        let why = |eigenvalue: f32, otherwise: &str| match eigenvalue < self.min_eigenvalue {
-            true => format!("below the threshold of {}", numbers::gray(self.min_eigenvalue)),
-            false => otherwise.to_owned(),
-        };
-        // The constraint of the pixel itself is unknown: the rest of the window decides nothing.
-        if matches!(texture, Texture::Flat | Texture::Edge) && !probe.linear.factors.is_known(probe.pixel) {
-            let [gone, all] = self.left(&probe.linear.factors, probe.pixel);
-            return said.text(format!(
-                ": the flow (u₀, v₀) leads the pixel itself and {} of the {all} pixels of its window out of frame t+1. The other \
-                 constraints, λ₁ = {large} and λ₂ = {small}, do not determine the flow: it is unknown.",
-                gone.saturating_sub(1)
-            ));
-        }
-        match texture {
-            Texture::Unknown => {
-                said.text(": the flow leads all its pixels out of frame t+1. Without constraints the flow is unknown.")
-            }
-            Texture::Flat if eigenvalues[0] >= self.min_eigenvalue && eigenvalues[1] > 0.0 => said.text(format!(
-                ": λ₂ = {small} is {}, and λ₁ = {large} is less than {EDGE_RATIO:.0} times as large, so this is no edge but a flat \
-                 window: its weak gradients have many directions. Noise would determine the solution, so the flow is unknown.",
-                why(eigenvalues[1], "0 up to rounding")
-            )),
-            Texture::Flat => said.text(format!(
-                ": λ₁ = {large} and λ₂ = {small} are both {}, a flat window. Noise would determine the solution, so the flow is \
-                 unknown.",
-                why(eigenvalues[0], "0 up to rounding")
-            )),
-            Texture::Edge => said.text(format!(
-                ": λ₁ = {large}, but λ₂ = {small} is {}, an edge. The constraint lines are nearly parallel (aperture problem), so \
-                 the flow is unknown.",
-                why(eigenvalues[1], "0 up to rounding")
-            )),
-            Texture::Corner => {
-                let threshold = numbers::gray(self.min_eigenvalue);
-                let what = match eigenvalues[1] < CLEAR * self.min_eigenvalue {
-                    true => "λ₂ only slightly, so noise has much influence on the solution",
-                    false => "so the constraint lines intersect well",
-                };
-                said.text(format!(
-                    ": λ₁ = {large} and λ₂ = {small} exceed the threshold of {threshold}, {what}. Least squares gives (u, v) = "
-                ))
-                .ink(Role::Result, px(displacement))
-                .text(endpoint_error(seen.before.frame_pair.true_displacement(probe.pixel), displacement))
-            }
-        }
-    }
-
-    fn facts(&self, seen: &Seen<Self>, probe: &Probe) -> Vec<Fact> {
-        let Probe { pixel, linear, tensor, solution, spread } = probe;
-        let fact = |label, value: String, role| Fact::new(label, value, role);
-        let mut facts = vec![fact("Pixel", words::pixel(*pixel), Some(Role::Reference)), linear.fact(*pixel)];
-        if seen.before.iteration > 0 {
-            facts.push(fact("Linearised at (u₀, v₀)", px(linear.start.at(pixel.0, pixel.1)), Some(Role::Best)));
-        }
-        let [gone, all] = self.left(&linear.factors, *pixel);
-        if gone > 0 {
-            facts.push(fact("Outside frame t+1", format!("{gone} of {all} pixels of the window"), None));
-        }
-        let [large, small] = solution.eigenvalues.map(numbers::gray);
-        let texture = match solution.texture {
-            Texture::Unknown => "unknown",
-            Texture::Flat => "flat",
-            Texture::Edge => "edge",
-            Texture::Corner => "corner",
-        };
-        facts.push(fact("Eigenvalues λ₁, λ₂", format!("{large} and {small}: {texture}"), None));
-        if probe.is_solved() {
-            let off = numbers::gray(tensor.residual(solution.displacement).sqrt());
-            facts.push(fact("Flow (u, v)", px(solution.displacement), Some(Role::Result)));
-            facts.push(fact("RMS residual of the constraints", format!("{off} gray levels"), None));
-        }
-        if let Some(spread) = spread {
-            let [a, b] = spread.radii.map(numbers::px);
-            facts.push(fact(
-                "Standard deviation of the flow",
-                format!("{a} px along the gradient, {b} px across"),
-                None,
-            ));
-        }
-        let truth = seen.before.frame_pair.true_displacement(*pixel);
-        facts.extend(truth.map(|truth| fact("True flow", px(truth), Some(Role::Truth))));
-        facts
-    }
-
-    fn readouts(&self, seen: &Seen<Self>, probe: &Probe) -> Vec<Readout> {
-        let (frame_pair, displacement) = (&seen.before.frame_pair, probe.solution.displacement);
+    /// Returns the constraint lines of the window over its squared difference.
+    fn plane(&self, frame_pair: &FramePair, probe: &Probe) -> Plane {
+        let found = probe.is_solved().then_some(probe.solution.displacement);
         let mut points = vec![("zero flow", Role::Reference, [0.0; 2])];
-        points.extend(probe.is_solved().then_some(("least squares", Role::Result, displacement)));
-        let truth = frame_pair.true_displacement(probe.pixel);
-        points.extend(truth.map(|truth| ("true flow", Role::Truth, truth)));
+        points.extend(found.map(|found| ("least squares", Role::Result, found)));
+        points.extend(frame_pair.true_displacement(probe.pixel).map(|truth| ("true flow", Role::Truth, truth)));
         let start = probe.linear.start.at(probe.pixel.0, probe.pixel.1);
         let reach = explain::reach(points.iter().map(|(.., point)| *point).chain([start]));
-        let plane = Plane {
+        Plane {
             groups: Vec::new(),
             title: "Mean squared difference and constraint lines",
             unit: "px".into(),
             center: [0.0; 2],
             reach,
             cost: Some(self.squared_difference(frame_pair, probe.pixel, reach)),
-            path: [start].into_iter().chain(probe.is_solved().then_some(displacement)).collect(),
+            path: [start].into_iter().chain(found).collect(),
             lines: self.lines(&probe.linear.factors, probe.pixel),
             points,
             ellipse: probe.spread,
-        };
-        let [current, next] = &frame_pair.pictures;
-        let radius = (self.window / 2).min(5);
-        vec![
-            Readout::Facts(self.facts(seen, probe)),
-            Readout::Equation(equation(probe, seen.before.iteration > 0)),
-            Readout::Plane(plane),
-            Readout::Tiles(probe.linear.tiles([current, next], probe.pixel, radius)),
-        ]
+        }
     }
 
     /// Returns the quantity that least squares minimizes, without linearisation: the weighted mean of (I(x + d, t + 1) − I(x, t))²
@@ -285,7 +287,7 @@ impl LucasKanade {
     }
 
     /// Returns the number of pixels of a window that lead out of frame t + 1, and their number in frame t.
-    fn left(&self, of: &Constraints, (x, y): (usize, usize)) -> [usize; 2] {
+    fn outside(&self, of: &Constraints, (x, y): (usize, usize)) -> [usize; 2] {
         let (window, (width, height)) = (self.window(), of.a.size());
         let ((left, across), (top, down)) = (window.inside(x, width), window.inside(y, height));
         let (columns, rows) = (left..left + across.len(), top..top + down.len());
@@ -332,57 +334,16 @@ fn draw_textures(seen: &Seen<LucasKanade>, scene: &mut Scene) {
     }
 }
 
-/// The normal equations of the window, in symbols and with numbers. After warping (`is_about`), c replaces I_t; its definition is
-/// that of the inspected pixel.
-fn equation(probe: &Probe, is_about: bool) -> Vec<Math> {
-    let Probe { pixel, linear, tensor, .. } = probe;
-    let right = || if is_about { Math::Var("c") } else { explain::derivative("t") };
-    let mut lines = if is_about { linear.definition(*pixel, Role::Reference).to_vec() } else { Vec::new() };
-    let squared = |along| Math::power(explain::derivative(along), Math::text("2"));
-    let mixed = || Math::Row(vec![explain::derivative("x"), explain::derivative("y")]);
-    let equal = |along| Math::Row(vec![explain::derivative(along), right()]);
-    lines.extend([
-        symbols([squared("x"), mixed(), equal("x")], ""),
-        symbols([mixed(), squared("y"), equal("y")], ",  Σ w = 1"),
-        row(tensor.xx, tensor.xy, tensor.xt),
-        row(tensor.xy, tensor.yy, tensor.yt),
-    ]);
-    if probe.is_solved() {
-        let found = Math::ink(Role::Result, numbers::vector(probe.solution.displacement));
-        let parts = [Math::text("("), Math::Var("u"), Math::text(", "), Math::Var("v"), Math::text(") = "), found];
-        lines.push(Math::Row(parts.to_vec()));
-    }
-    lines
-}
-
-/// A normal equation in symbols.
-fn symbols([first, second, right]: [Math; 3], after: &str) -> Math {
-    let sum = |product| Math::Row(vec![Math::text("Σ "), Math::Var("w"), Math::text(" "), product]);
-    Math::Row(vec![
-        sum(first),
-        Math::text(" "),
-        Math::Var("u"),
-        Math::text(" + "),
-        sum(second),
-        Math::text(" "),
-        Math::Var("v"),
-        Math::text(" = − "),
-        sum(right),
-        Math::text(after),
-    ])
-}
-
-/// A normal equation in numbers.
-fn row(a: f32, b: f32, c: f32) -> Math {
-    Math::Row(vec![
-        Math::ink(Role::Reference, numbers::gray(a)),
-        Math::text(" "),
-        Math::Var("u"),
-        Math::text(" "),
-        Math::ink(Role::Reference, numbers::summand(numbers::gray(b))),
-        Math::text(" "),
-        Math::Var("v"),
-        Math::text(" = "),
-        Math::ink(Role::Reference, numbers::gray(-c)),
-    ])
+/// Writes the normal equations of the window, in symbols and with numbers. After warping (`is_about`), c replaces I_t; its definition
+/// is that of the inspected pixel.
+fn equations(step: Step, probe: &Probe, is_about: bool) -> Step {
+    let Tensor { xx, xy, yy, xt, yt, .. } = probe.tensor;
+    let right = if is_about { "c" } else { "I_t" };
+    let step = if is_about { probe.linear.define(step, probe.pixel, Unit::SUBPIXEL) } else { step };
+    let step = step.formula(format!(r"\sum w\,I_x^2\,u + \sum w\,I_x I_y\,v = -\sum w\,I_x {right}"));
+    let step = step.formula(format!(r"\sum w\,I_x I_y\,u + \sum w\,I_y^2\,v = -\sum w\,I_y {right}, \quad \sum w = 1"));
+    let step = step.put(value::TENSOR, [xx, xy, yy]).put(value::RIGHT_SIDE, [-xt, -yt]);
+    let step = step.formula(r"{tensor:1}\,u {tensor:2:signed}\,v = {right_side:1}");
+    let step = step.formula(r"{tensor:2}\,u {tensor:3:signed}\,v = {right_side:2}");
+    if probe.is_solved() { step.formula("(u, v) = {flow}") } else { step }
 }

@@ -1,25 +1,100 @@
 //! The explanation and the drawing of point trajectories.
 
 use super::{Event, Moved, Note, Pair, PointTrajectories, State, What, distance, line};
-use crate::base::words;
 use crate::geometry::Grid;
 use crate::methods::{
-    differential::{field, numbers},
-    features::{conclusion, reason_of, trails},
+    differential::{explain::value as shared, field},
+    features::{conclude, level_trace::value as tracking, reason_of, trails},
 };
 use crate::products::{Status, consistency::returned};
 use crate::run::Seen;
-use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step, Tile};
+use crate::scene::{Arrow, Name, Picture, Readout, Role, Scene, Series, Shape, Step, Tile, Unit};
+use crate::{cases, variables};
+
+/// The unit of eigenvalues of a structure tensor.
+const SQUARED_GRADIENT: Unit = Unit::new("(gray levels per px)²", 2);
+const SQUARED_PX: Unit = Unit::new("px²", 3);
+
+variables! {
+    /// The first frame of the pair.
+    FRAME: "Pair", "t", Unit::WHOLE;
+    /// The second frame of the pair.
+    NEXT_FRAME: "", "t+1", Unit::WHOLE;
+    /// The method of the dense flow.
+    METHOD: "", "", Unit::WHOLE;
+    /// The number of points at the start of the pair.
+    POINTS: "Points", "", Unit::count("point");
+    /// The number of points that start in this frame.
+    BEGUN: "New points", "", Unit::count("new point"), Role::Measured;
+    /// The number of points that are not lost in the pair.
+    CONTINUING: "", "", Unit::count(""), Role::Result;
+    /// The spacing of the grid points.
+    SPACING: "", "", Unit::new("px", 0);
+    /// The mean drift between flow and feature tracks.
+    MEAN_DRIFT: "Mean drift", "", Unit::SUBPIXEL, Role::Error;
+    /// The mean distance of the flow tracks from the true positions.
+    MEAN_FLOW_ERROR: "Mean error of flow tracks", "", Unit::SUBPIXEL, Role::Result;
+    /// The mean distance of the feature tracks from the true positions.
+    MEAN_FEATURE_ERROR: "Mean error of feature tracks", "", Unit::SUBPIXEL, Role::Predicted;
+    /// The number of the point, from 1.
+    POINT: "Point", "", Unit::WHOLE, Role::Reference;
+    /// The forward flow at the point.
+    FORWARD_FLOW: "Forward flow w", "w", Unit::SUBPIXEL, Role::Result;
+    /// The backward flow where the forward flow leads.
+    BACKWARD_FLOW: "Backward flow w′", "w'", Unit::SUBPIXEL;
+    /// The position to which the flow leads.
+    END: "", "x + w", Unit::SUBPIXEL, Role::Result;
+    /// The squared forward–backward error |w + w′|².
+    SQUARED_ERROR: "Squared forward–backward error", "|w + w'|^2", SQUARED_PX;
+    /// The largest accepted squared forward–backward error.
+    SQUARED_TOLERANCE: "", "", SQUARED_PX;
+    /// The position of the feature track in the second frame.
+    FEATURE_END: "Feature track", "y", Unit::SUBPIXEL, Role::Predicted;
+    /// The reason for which the feature track is lost.
+    FEATURE_LOSS: "Feature track", "", Unit::WHOLE, Role::Predicted;
+    /// The drift: the distance between flow and feature track.
+    DRIFT: "Drift", "|x - y|", Unit::SUBPIXEL, Role::Error;
+    /// The true position in the second frame.
+    TRUE_POSITION: "True position", "", Unit::SUBPIXEL, Role::Truth;
+    /// The distance of the flow track from the true position.
+    FLOW_ERROR: "Error of the flow track", "", Unit::SUBPIXEL;
+    /// The distance of the feature track from the true position.
+    FEATURE_ERROR: "Error of the feature track", "", Unit::SUBPIXEL;
+}
+
+cases! { over value, shared, tracking;
+    OPENING: "Grid points are {result|advected by dense flow} from frame to frame, x ← x + w(x), so errors of the flow accumulate as \
+              drift. The same points are {predicted|tracked as features}; their distance measures the drift without ground truth.",
+    PAIR: "frames {frame} and {next_frame}",
+    FLOW: "{method} estimates the flow w from frame {frame} to {next_frame} and the backward flow w′ for the forward–backward check.",
+    OCCUPIED: "No new points: all grid cells with λ₂ ≥ {min_eigenvalue} are occupied. {points} continue.",
+    REPLENISH_OFF: "No new points: replenish is off. {points} continue.",
+    BEGUN: "{begun} in empty grid cells of {spacing} with λ₂ of at least {min_eigenvalue} (the minimum eigenvalue); {points} continue.",
+    CONTINUING: "{continuing} of {points} continue in frame {next_frame}.",
+    MEAN_DRIFT: "Mean drift between flow and feature tracks: {mean_drift}.",
+    NO_DRIFT: "No feature track is left, so the drift is unknown.",
+    END_OF_PAIR: "End of the pair:",
+    POINT: "{reference|Point} {point}",
+    POINT_AT: "{point} at {position:bare}",
+    SQUARED_ERROR: "{squared_error}, tolerance {squared_tolerance}",
+    FLAT: " is {rejected|lost}: λ₂ = {lambda_2:bare} is below the minimum eigenvalue of {min_eigenvalue}, so the window has no texture or \
+           only an edge.",
+    OUTSIDE: " is {rejected|lost}: the flow leads out of the frame.",
+    ASTRAY: " is {rejected|lost}: forward–backward error {fb_error} exceeds the tolerance of {max_fb_error}, a sign of occlusion or \
+             wrong flow.",
+    UNKNOWN: " is {rejected|lost}: the flow is unknown at this position.",
+    ADVECTED: " is advected to {end:bare}",
+    DRIFT: ", its feature track to {feature_end:bare}. Drift between both since the start: {drift}.",
+    FEATURE_LOST: "; its feature track is {rejected|lost}.",
+    FEATURE_LOSS: "lost: {feature_loss}",
+    TRUTH: "True position: {true_position:bare}, so the flow trajectory has an error of {flow_error}.",
+}
 
 /// Radius of the image patches, in px.
 const TILE_REACH_PX: isize = 4;
 
 /// The legend of trail and position by feature tracking.
 const AS_FEATURE: &str = "feature track";
-
-fn px(length: f32) -> String {
-    format!("{} px", numbers::px(length))
-}
 
 fn last(events: &[Event]) -> Option<&What> {
     events.last().map(|event| &event.0)
@@ -44,204 +119,90 @@ impl PointTrajectories {
     }
 
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
-        let line = match (last(seen.events), self.probe(seen)) {
-            (Some(What::Flow(_)), _) => line::FIND_FLOW,
-            (Some(What::Begun(_)), _) => line::BEGIN_POINTS,
-            (Some(_), Some((_, moved))) => match moved.feature.status {
-                Status::Flat => line::IS_FLAT,
-                Status::Outside => line::IS_OUTSIDE,
-                Status::Astray => line::IS_ASTRAY,
-                _ => line::CARRY,
-            },
-            (Some(What::Done(_)), None) => line::COMPARE_FEATURES,
-            _ => line::EACH_FRAME,
+        let state = seen.before;
+        let Some(event) = last(seen.events) else { return Step::at(line::EACH_FRAME).say(case::OPENING) };
+        let at = |line| {
+            let step = Step::at(line).put(value::NEXT_FRAME, state.frame + 1);
+            let step = step.put(shared::MIN_EIGENVALUE, self.min_eigenvalue);
+            step.fact_as(value::FRAME.is(state.frame), case::PAIR)
         };
-        Step { values: Vec::new(), line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
+        let step = match (event, self.probe(seen)) {
+            (_, Some((pair, moved))) => self.advected(at, moved).show(Readout::Tiles(tiles(pair, moved))),
+            (What::Flow(_), None) => {
+                let step = at(line::FIND_FLOW).fact(value::POINTS, state.live.len());
+                step.put(value::METHOD, self.method.estimator().info().name).say(case::FLOW)
+            }
+            (What::Begun(count), None) => {
+                let step = at(line::BEGIN_POINTS).fact(value::BEGUN, *count).put(value::POINTS, state.live.len());
+                step.put(value::SPACING, self.spacing).say(match count {
+                    0 if self.replenish || state.frame == state.span.first => case::OCCUPIED,
+                    0 => case::REPLENISH_OFF,
+                    _ => case::BEGUN,
+                })
+            }
+            (What::Done(note), None) => self.concluded(seen, at(line::COMPARE_FEATURES), note),
+            (What::Moved(..), None) => at(line::EACH_POINT),
+        };
+        step.show_all(plots(seen.after.unwrap_or(state)))
     }
 
-    fn sentence(&self, seen: &Seen<Self>) -> Sentence {
-        let (said, state) = (Sentence::default(), seen.before);
-        let (here, next) = (state.frame, state.frame + 1);
-        if let Some((_, moved)) = self.probe(seen) {
-            return self.point(moved);
-        }
-        match last(seen.events) {
-            None | Some(What::Moved(..)) => said
-                .text("Grid points are ")
-                .ink(Role::Result, "advected by dense flow")
-                .text(" from frame to frame, x ← x + w(x), so errors of the flow accumulate as drift. The same points are ")
-                .ink(Role::Predicted, "tracked as features")
-                .text("; their distance measures the drift without ground truth."),
-            Some(What::Flow(_)) => said.text(format!(
-                "{} estimates the flow w from frame {here} to {next} and the backward flow w′ for the forward–backward check.",
-                self.method.estimator().info().name
-            )),
-            Some(What::Begun(0)) => said.text(match self.replenish || here == state.span.first {
-                true => format!(
-                    "No new points: all grid cells with λ₂ ≥ {} are occupied. {} continue.",
-                    numbers::gray(self.min_eigenvalue),
-                    words::counted(state.live.len(), "point")
-                ),
-                false => {
-                    format!("No new points: replenish is off. {} continue.", words::counted(state.live.len(), "point"))
-                }
-            }),
-            Some(What::Begun(count)) => said.ink(Role::Measured, words::counted(*count, "new point")).text(format!(
-                " in empty grid cells of {} px with λ₂ of at least {} (the minimum eigenvalue); {} continue.",
-                self.spacing,
-                numbers::gray(self.min_eigenvalue),
-                words::counted(state.live.len(), "point")
-            )),
-            Some(What::Done(note)) => {
-                let left = seen.after.map_or(0, |after| after.live.len());
-                let said = said
-                    .ink(Role::Result, left.to_string())
-                    .text(format!(" of {} continue in frame {next}. ", words::counted(note.points as usize, "point")));
-                let said = match note.apart.is_finite() {
-                    true => {
-                        said.text("Mean drift between flow and feature tracks: ").ink(Role::Error, px(note.apart)).text(".")
-                    }
-                    false => said.text("No feature track is left, so the drift is unknown."),
-                };
-                self.concluded(seen, said)
+    /// Explains the result of a point.
+    fn advected(&self, at: impl Fn(Name) -> Step, moved: &Moved) -> Step {
+        let of_point = |line| self.measured(at(line), moved).say(case::POINT);
+        match moved.feature.status {
+            Status::Flat => of_point(line::IS_FLAT).say(case::FLAT),
+            Status::Outside => of_point(line::IS_OUTSIDE).say(case::OUTSIDE),
+            Status::Astray if moved.check(self).is_some() => of_point(line::IS_ASTRAY).say(case::ASTRAY),
+            Status::Astray => of_point(line::IS_ASTRAY).say(case::UNKNOWN),
+            _ => {
+                let step = of_point(line::CARRY).say(case::ADVECTED);
+                let step = step.say(if moved.apart().is_some() { case::DRIFT } else { case::FEATURE_LOST });
+                step.say_if(moved.truth.is_some(), case::TRUTH)
             }
         }
     }
 
-    /// Explains the result of a point.
-    fn point(&self, moved: &Moved) -> Sentence {
-        let said = Sentence::default().ink(Role::Reference, format!("Point {}", moved.live.track + 1));
-        let Some(to) = moved.to() else {
-            let why = match (moved.feature.status, moved.check(self)) {
-                (Status::Flat, _) => format!(
-                    ": λ₂ = {} is below the minimum eigenvalue of {}, so the window has no texture or only an edge.",
-                    numbers::gray(moved.structure),
-                    numbers::gray(self.min_eigenvalue)
-                ),
-                (Status::Outside, _) => ": the flow leads out of the frame.".into(),
-                (_, Some([off, limit])) => format!(
-                    ": forward–backward error {} exceeds the tolerance of {}, a sign of occlusion or wrong flow.",
-                    px(off.sqrt()),
-                    px(limit.sqrt())
-                ),
-                _ => ": the flow is unknown at this position.".into(),
-            };
-            return said.text(" is ").ink(Role::Rejected, "lost").text(why);
-        };
-        let said = said.text(" is advected to ").ink(Role::Result, numbers::vector(to));
-        let said = match (moved.twin_to(), moved.apart()) {
-            (Some(twin), Some(apart)) => said
-                .text(", its feature track to ")
-                .ink(Role::Predicted, numbers::vector(twin))
-                .text(". Drift between both since the start: ")
-                .ink(Role::Error, px(apart))
-                .text("."),
-            _ => said.text("; its feature track is ").ink(Role::Rejected, "lost").text("."),
-        };
-        match moved.truth {
-            Some(truth) => said
-                .text(" True position: ")
-                .ink(Role::Truth, numbers::vector(truth))
-                .text(format!(", so the flow trajectory has an error of {}.", px(distance(to, truth)))),
-            None => said,
+    /// Puts the values of a point.
+    fn measured(&self, step: Step, moved: &Moved) -> Step {
+        let at = moved.live.at;
+        let step = step.put(tracking::POSITION, at).fact_as(value::POINT.is(moved.live.track + 1), case::POINT_AT);
+        let mut step = step.fact_of(shared::LAMBDA_2.is(moved.structure).in_unit(SQUARED_GRADIENT));
+        if let Some(flow) = moved.there {
+            step = step.fact(value::FORWARD_FLOW, flow).put(value::END, [0, 1].map(|i| at[i] + flow[i]));
+            step = step.formula("x + w = {position} + {forward_flow} = {end}");
         }
+        step = step.fact_if(value::BACKWARD_FLOW, moved.back);
+        if let Some([error, tolerance]) = moved.check(self) {
+            let is_near = error <= tolerance;
+            let squared = value::SQUARED_ERROR.is(error).inked(if is_near { Role::Best } else { Role::Rejected });
+            step = step.put(tracking::FB_ERROR, error.sqrt()).put(tracking::MAX_FB_ERROR, tolerance.sqrt());
+            step = step.put(value::SQUARED_TOLERANCE, tolerance).fact_as(squared, case::SQUARED_ERROR);
+            step = step.formula(match is_near {
+                true => r"|w + w'|^2 = {squared_error} \le {squared_tolerance:unit}",
+                false => r"|w + w'|^2 = {squared_error} > {squared_tolerance:unit}",
+            });
+        }
+        let reason = moved.twin.and_then(|twin| reason_of(twin.status));
+        step = step.fact_if(value::FEATURE_END, moved.twin_to());
+        step = reason
+            .into_iter()
+            .fold(step, |step, reason| step.fact_as(value::FEATURE_LOSS.is(reason), case::FEATURE_LOSS));
+        step = step.fact_if(value::DRIFT, moved.apart()).fact_if(value::TRUE_POSITION, moved.truth);
+        let error = |to: Option<[f32; 2]>| Some(distance(to?, moved.truth?));
+        step.fact_if(value::FLOW_ERROR, error(moved.to())).fact_if(value::FEATURE_ERROR, error(moved.twin_to()))
     }
 
-    /// Adds the conclusion of a pair.
-    fn concluded(&self, seen: &Seen<Self>, sentence: Sentence) -> Sentence {
-        let Some((pair, _)) = moved(seen.events).next() else { return sentence };
+    /// Explains the end of a pair.
+    fn concluded(&self, seen: &Seen<Self>, step: Step, note: &Note) -> Step {
+        let known = |number: f32| number.is_finite().then_some(number);
+        let [flow_error, feature_error] = note.errors.map(known);
+        let step = step.fact(value::POINTS, note.points).fact_if(value::MEAN_DRIFT, known(note.apart));
+        let step = step.fact_if(value::MEAN_FLOW_ERROR, flow_error).fact_if(value::MEAN_FEATURE_ERROR, feature_error);
+        let step = step.put(value::CONTINUING, seen.after.map_or(0, |after| after.live.len())).say(case::CONTINUING);
+        let step = step.say(if known(note.apart).is_some() { case::MEAN_DRIFT } else { case::NO_DRIFT });
+        let Some((pair, _)) = moved(seen.events).next() else { return step };
         let features = moved(seen.events).map(|(_, moved)| moved.feature);
-        let conclusion = conclusion("points", features, pair.truth.as_deref());
-        sentence.text(format!(" End of the pair: {conclusion}"))
-    }
-
-    fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
-        let Some(event) = last(seen.events) else { return Vec::new() };
-        let mut facts =
-            vec![Fact::new("Pair", format!("frames {} and {}", seen.before.frame, seen.before.frame + 1), None)];
-        let probe = self.probe(seen);
-        match (event, probe) {
-            (_, Some((_, moved))) => facts.extend(self.facts(moved)),
-            (What::Done(note), None) => facts.extend(note.facts()),
-            (What::Begun(count), None) => facts.push(Fact::new("New points", count.to_string(), Some(Role::Measured))),
-            _ => facts.push(Fact::new("Points", seen.before.live.len().to_string(), None)),
-        }
-        let mut readouts = vec![Readout::Facts(facts)];
-        if let Some((pair, moved)) = probe {
-            readouts.extend(self.equation(moved).map(Readout::Equation));
-            readouts.push(Readout::Tiles(tiles(pair, moved)));
-        }
-        readouts.extend(plots(seen.after.unwrap_or(seen.before)));
-        readouts
-    }
-
-    fn facts(&self, moved: &Moved) -> Vec<Fact> {
-        let at = numbers::vector(moved.live.at);
-        let mut facts = vec![
-            Fact::new("Point", format!("{} at {at}", moved.live.track + 1), Some(Role::Reference)),
-            Fact::new(
-                "Smaller eigenvalue λ₂",
-                format!("{} (gray levels per px)²", numbers::gray(moved.structure)),
-                None,
-            ),
-        ];
-        facts.extend(
-            moved
-                .there
-                .map(|uv| Fact::new("Forward flow w", format!("{} px", numbers::vector(uv)), Some(Role::Result))),
-        );
-        facts.extend(moved.back.map(|uv| Fact::new("Backward flow w′", format!("{} px", numbers::vector(uv)), None)));
-        if let Some([off, limit]) = moved.check(self) {
-            facts.push(Fact::new(
-                "Squared forward–backward error",
-                format!("{} px², tolerance {} px²", numbers::px(off), numbers::px(limit)),
-                None,
-            ));
-        }
-        if let Some(twin) = moved.twin {
-            let value = match (twin.end(), reason_of(twin.status)) {
-                (Some(to), _) => format!("at {}", numbers::vector(to)),
-                (None, Some(reason)) => format!("lost: {reason}"),
-                (None, None) => "lost".into(),
-            };
-            facts.push(Fact::new("Feature track", value, Some(Role::Predicted)));
-        }
-        facts.extend(moved.apart().map(|apart| Fact::new("Drift", px(apart), Some(Role::Error))));
-        if let Some(truth) = moved.truth {
-            facts.push(Fact::new("True position", format!("at {}", numbers::vector(truth)), Some(Role::Truth)));
-            facts.extend(moved.to().map(|to| Fact::new("Error of the flow track", px(distance(to, truth)), None)));
-            facts.extend(
-                moved.twin_to().map(|to| Fact::new("Error of the feature track", px(distance(to, truth)), None)),
-            );
-        }
-        facts
-    }
-
-    /// Returns the advection step and the forward–backward check as formulas.
-    fn equation(&self, moved: &Moved) -> Option<Vec<Math>> {
-        let (there, at) = (moved.there?, moved.live.at);
-        let to = [0, 1].map(|i| at[i] + there[i]);
-        let step = Math::Row(vec![
-            Math::Var("x"),
-            Math::text(" + "),
-            Math::Var("w"),
-            Math::text(" = "),
-            Math::ink(Role::Reference, numbers::vector(at)),
-            Math::text(" + "),
-            Math::ink(Role::Result, numbers::vector(there)),
-            Math::text(format!(" = {}", numbers::vector(to))),
-        ]);
-        let Some([off, limit]) = moved.check(self) else { return Some(vec![step]) };
-        let is_near = off <= limit;
-        let role = if is_near { Role::Best } else { Role::Rejected };
-        let sum = Math::Row(vec![Math::Var("w"), Math::text(" + "), Math::Var("w′")]);
-        let check = Math::Row(vec![
-            Math::power(Math::Abs(Box::new(sum)), Math::text("2")),
-            Math::text(" = "),
-            Math::ink(role, numbers::px(off)),
-            Math::text(format!("{}{} px²", if is_near { " ≤ " } else { " > " }, numbers::px(limit))),
-        ]);
-        Some(vec![step, check])
+        conclude(step.say(case::END_OF_PAIR), "point", features, pair.truth.as_deref())
     }
 
     pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
@@ -297,22 +258,6 @@ impl Moved {
     /// Returns the squared forward–backward error and its tolerance, in px²; `None` where flow is unknown.
     fn check(&self, by: &PointTrajectories) -> Option<[f32; 2]> {
         Some(returned(self.there?, self.back?, (by.relative_tolerance, by.absolute_tolerance)))
-    }
-}
-
-impl Note {
-    fn facts(&self) -> Vec<Fact> {
-        let known = |label, value: f32, role| value.is_finite().then(|| Fact::new(label, px(value), Some(role)));
-        let [flow, feature] = self.errors;
-        [
-            Some(Fact::new("Points", self.points.to_string(), None)),
-            known("Mean drift", self.apart, Role::Error),
-            known("Mean error of flow tracks", flow, Role::Result),
-            known("Mean error of feature tracks", feature, Role::Predicted),
-        ]
-        .into_iter()
-        .flatten()
-        .collect()
     }
 }
 
