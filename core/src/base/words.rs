@@ -2,7 +2,7 @@
 //! `I_x, I_y, I_t`, since there is no subscript y; digits are true subscripts, as in `u₀`. [`crate::scene::Math`] typesets
 //! all of them.
 //!
-//! A quantity has a fixed number of decimals, whatever its size: [`px`], [`gray`], [`cost`].
+//! A quantity has a fixed number of decimals, whatever its size: [`px`], [`gray`].
 //! All have a true minus sign, and thin spaces between thousands from 10 000 on.
 
 /// A number with this many decimals, a true minus sign, and thin spaces from 10 000 on.
@@ -72,11 +72,6 @@ pub fn with_power_to(value: f64, decimals: usize) -> String {
 fn superscript(digit: char) -> char {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     digit.to_digit(10).map_or('⁻', |digit| DIGITS[digit as usize])
-}
-
-/// A cost that is a sum of whole numbers: no decimals.
-pub fn cost(v: f64) -> String {
-    fixed(v, 0)
 }
 
 /// A number with two decimals.
@@ -238,7 +233,7 @@ mod tests {
     #[test]
     fn decimals_are_those_of_the_quantity() {
         assert_eq!([px(3.0), px(-0.25), px(-0.001), gray(-0.0625)], ["3", "−0.25", "0.00", "−0.06"]);
-        assert_eq!([cost(12_345.0), fixed(-0.00056, 3), fixed(0.0098, 3)], ["12\u{202f}345", "−0.001", "0.010"]);
+        assert_eq!([fixed(12_345.0, 0), fixed(-0.00056, 3), fixed(0.0098, 3)], ["12\u{202f}345", "−0.001", "0.010"]);
         assert_eq!([fixed(f64::NEG_INFINITY, 2), fixed(f64::NAN, 2)], ["−∞", "undefined"]);
         assert_eq!([fine(1403.247), fine(-0.001), fine(-12.0)], ["1403.25", "0.00", "−12.00"]);
         let headings = [[2.0, 0.0], [0.0, -3.0], [-1.0, 0.0], [0.0, 4.0], [-9.0, 0.01]].map(heading);

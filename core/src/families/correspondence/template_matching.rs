@@ -1,7 +1,9 @@
 //! Template matching: a small picture slides over a search area of the next frame.
 
+mod charts;
 mod explain;
 mod place;
+mod vocabulary;
 
 use std::sync::Arc;
 
@@ -16,6 +18,7 @@ use crate::products::{Feature, Output, Product, ProductKind, Status, Track, Trac
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, Span, need};
 use crate::scene::{Chart, Focus, Picture, Question, Reply, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
+use vocabulary::case;
 
 choices! {
     /// Computation of the sums over all places. All ways give the same scores.
@@ -456,13 +459,18 @@ impl Estimator for TemplateMatching {
         Question::choice(
             "best",
             "Is the score of the next place the best so far?",
-            &[Reply::says(line::SCORE, "not above the best", "No"), Reply::says(line::SCORE, "the new best", "Yes")],
+            &[
+                Reply::told(line::SCORE, case::NOT_ABOVE, "No"),
+                Reply::told(line::SCORE, case::NOT_BELOW, "No"),
+                Reply::told(line::SCORE, case::ABOVE, "Yes"),
+                Reply::told(line::SCORE, case::BELOW, "Yes"),
+            ],
         ),
         Question::choice(
             "lost",
             "Is the match accepted?",
             &[
-                Reply::says(line::CHECK, "lost", "No: the template is lost"),
+                Reply::told(line::CHECK, case::LOST, "No: the template is lost"),
                 Reply::at(line::CHECK, "Yes: the template moves there"),
             ],
         ),
