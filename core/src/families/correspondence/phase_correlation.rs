@@ -1,9 +1,11 @@
 //! Phase correlation: the translation between two frames as the peak of the inverse transform of their phase difference.
 
+mod charts;
 mod doubt;
 mod explain;
 mod spectrum;
 mod unexplained;
+mod vocabulary;
 
 use std::sync::Arc;
 
@@ -16,10 +18,11 @@ use crate::methods::differential::truth;
 use crate::products::model::IDENTITY;
 use crate::products::{Model, ModelField, Output, Product, ProductKind};
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Progress, Seen};
-use crate::scene::{Chart, Question, Reading, Reply, Scene, Step};
+use crate::scene::{Chart, Question, Reply, Scene, Step};
 use crate::{choices, params, pseudocode};
 use doubt::Doubt;
 use spectrum::{Direction, hann, mean};
+use vocabulary::{case, value};
 
 choices! {
     /// Sub-pixel position of the peak.
@@ -353,15 +356,13 @@ impl Estimator for PhaseCorrelation {
             "distinct",
             "Is the peak distinct?",
             &[
-                Reply::says(line::COMPARE_SECOND, "the peak is distinct", "Yes"),
-                Reply::says(line::COMPARE_SECOND, "the peak is ambiguous", "No: another is nearly as high"),
+                Reply::told(line::COMPARE_SECOND, case::IS_DISTINCT, "Yes"),
+                Reply::told(line::COMPARE_SECOND, case::ALONE, "Yes"),
+                Reply::told(line::COMPARE_SECOND, case::AMBIGUOUS, "No: another is nearly as high"),
+                Reply::told(line::COMPARE_SECOND, case::REPEATS, "No: another is nearly as high"),
             ],
         ),
-        Question::number(
-            "peak",
-            "How high is the highest peak?",
-            Reading { line: line::TAKE_PEAK, after: "The highest peak is r = ", before: " at", unit: "" },
-        ),
+        Question::value("peak", "How high is the highest peak?", line::TAKE_PEAK, value::PEAK_HEIGHT),
     ];
     const GUARANTEE: Guarantee = Guarantee::Better;
     const CHARTS: &'static [Chart] = &[Chart::Surface, Chart::Tiles, Chart::Matrices];
