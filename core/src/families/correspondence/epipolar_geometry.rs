@@ -1,8 +1,8 @@
 //! Epipolar geometry of a pair of frames: the fundamental matrix, and the pose of a calibrated camera.
 
 mod sequels;
+mod vocabulary;
 
-use crate::base::words;
 use crate::methods::geometric::{
     Correspondence,
     epipolar::{
@@ -10,17 +10,17 @@ use crate::methods::geometric::{
         seven_point,
     },
     planar::Planarity,
-    robust::{self, Best, Estimate, RobustModel, Sequel, robust_pseudocode},
+    robust::{self, Estimate, RobustModel, robust_pseudocode},
     system::System,
 };
 use crate::methods::matching;
-use crate::methods::numbers::percent;
 use crate::products::epipolar::{Planar, Pose};
 use crate::products::model::{Matrix3, Support};
 use crate::products::{EpipolarField, Output, Product, ProductKind};
 use crate::run::Info;
-use crate::scene::{Focus, Math, Picture, Role, Scene, Shape};
+use crate::scene::{Case, Focus, Name, Picture, Role, Scene, Shape, Step};
 use crate::{choices, params};
+use vocabulary::{case, value};
 
 choices! {
     /// Number of matches of a sample.
@@ -72,7 +72,7 @@ impl RobustModel for EpipolarGeometry {
         frames: 2,
     };
     const PRODUCT: &'static ProductKind = EpipolarField::KIND;
-    const SEQUELS: usize = 2;
+    const SEQUELS: &'static [Name] = &[line::GUIDE, line::RECTIFY];
     const SYMBOL: &'static str = "F";
     const DISTANCE: &'static str = "Sampson distance";
 
@@ -95,14 +95,11 @@ impl RobustModel for EpipolarGeometry {
         }
     }
 
-    fn counting(&self) -> String {
-        match self.sampling {
-            Sampling::Seven => {
-                "Each gives one equation; with det F = 0 the 7 degrees of freedom of F are determined up to three solutions."
-            }
-            Sampling::Eight => "Each gives one linear equation in the 9 entries of F, which is defined up to its scale.",
-        }
-        .into()
+    fn counting(&self, step: Step) -> Step {
+        step.say(match self.sampling {
+            Sampling::Seven => case::SEVEN_POINTS,
+            Sampling::Eight => case::EIGHT_POINTS,
+        })
     }
 
     fn hypotheses(&self, sample: &[Correspondence]) -> Vec<Matrix3> {
@@ -153,86 +150,45 @@ impl RobustModel for EpipolarGeometry {
         })
     }
 
-    fn conclusion(&self, estimate: &Estimate<'_>) -> String {
-        let Some(best) = estimate.best else { return String::new() };
-        let found = format!("RMS Sampson distance {} px.", words::fixed(best.rms_px(), 3));
-        let planarity = self.planarity(estimate);
-        if let Some(planar) = planarity.filter(Planarity::is_plane) {
-            return format!(
-                "{found} But a homography explains {} of the inliers, and is the better model by the information criterion GRIC, {} against \
-                 {} of F; {}. {}",
-                percent(planar.share),
-                words::fixed(planar.of_homography, 0),
-                words::fixed(planar.of_fundamental, 0),
-                match planar.off {
-                    [_, 0] => "no match is an outlier of the homography".to_owned(),
-                    [agreeing, all] => format!(
-                        "clear outliers of the homography: {}; agreeing with F: {}, no more than by chance",
-                        words::grouped(all),
-                        words::grouped(agreeing)
-                    ),
-                },
-                undetermined(&planar)
-            );
+    fn conclusion(&self, step: Step, estimate: &Estimate<'_>) -> Step {
+        let (step, planarity) = (step.say(case::DISTANCE), self.planarity(estimate));
+        let Some(planar) = planarity else { return self.posed(step, estimate, false).say(case::MOVING_OBJECTS) };
+        let unexplained = planar.inliers - planar.explained;
+        let step = step.put(value::ON_PLANE, 100.0 * planar.share).put(value::EXPLAINED, planar.explained);
+        let step = step.put(value::HOMOGRAPHY_CRITERION, planar.of_homography).put(value::UNEXPLAINED, unexplained);
+        let step = step.put(value::FUNDAMENTAL_CRITERION, planar.of_fundamental);
+        let step = step.put(value::OFF_PLANE_INLIERS, planar.off[0]).put(value::OFF_PLANE, planar.off[1]);
+        if planar.is_plane() {
+            let step = step.say(case::PLANAR);
+            let step = step.say(if planar.off[1] == 0 { case::NONE_OFF_PLANE } else { case::OFF_PLANE });
+            return step.say(if planar.is_one_plane() { case::ONE_PLANE } else { case::UNDETERMINED });
         }
-        let dominant = match planarity.filter(Planarity::is_homography_better) {
-            Some(Planarity { off: [agreeing, _], inliers, explained, .. }) => format!(
-                " Of the {} inliers, {} follow a homography, so F rests on the other {}. {} of these lie clearly off its plane and agree beyond \
-                 chance: parallax, or an object with a motion of its own, for which F is wrong.",
-                words::grouped(inliers),
-                words::grouped(explained),
-                words::grouped(inliers - explained),
-                words::grouped(agreeing)
-            ),
-            None => match planarity {
-                Some(planar) if planar.share > NEARLY_PLANE => format!(
-                    " A homography explains {} of the inliers: most points lie near a plane, so F and its epipoles are poorly determined, and \
-                     other random seeds give others.",
-                    percent(planar.share)
-                ),
-                _ => String::new(),
-            },
+        let doubt = match planar.is_homography_better() {
+            true => Some(case::DOMINANT_PLANE),
+            false => (planar.share > NEARLY_PLANE).then_some(case::NEARLY_PLANE),
         };
+        let step = doubt.into_iter().fold(step, Step::say);
         // A doubt about F is one about the pose.
-        let is_doubted = !dominant.is_empty();
-        let pose = match self.pose(estimate) {
-            None if is_doubted => {
-                " With the focal length a pose of the camera would follow from F, as uncertain as F.".to_owned()
-            }
-            None => " With the focal length, the pose of the camera follows from F.".to_owned(),
-            Some(pose) => self.doubt(&pose, estimate).unwrap_or_else(|| match is_doubted {
-                true => format!("{} This pose is as uncertain as F.", posed(&pose)),
-                false => posed(&pose),
-            }),
-        };
-        format!(
-            "{found}{dominant}{pose} Points of moving objects violate F unless they move along their epipolar lines."
-        )
+        self.posed(step, estimate, doubt.is_some()).say(case::MOVING_OBJECTS)
     }
 
-    fn equations(&self, estimate: &Estimate<'_>) -> Vec<Math> {
-        let Some(Best { matrix, .. }) = estimate.best else { return Vec::new() };
-        let constraint = Math::Row(vec![
-            Math::power(Math::Bold("x′"), Math::text("T")),
-            Math::text(" "),
-            Math::Var("F"),
-            Math::text(" "),
-            Math::Bold("x"),
-            Math::text(" = 0"),
-        ]);
-        let Some([here, there]) = epipoles(&matrix) else { return vec![constraint] };
-        let epipole = |name: &'static str, e: [f64; 3]| {
-            let value = match on_plane(e) {
-                Some([x, y]) => format!(" = ({}, {}) px", words::fixed(x, 1), words::fixed(y, 1)),
-                None => " at infinity".to_owned(),
-            };
-            Math::Row(vec![Math::Bold(name), Math::ink(Role::Best, value)])
+    fn formulas(&self, step: Step, estimate: &Estimate<'_>) -> Step {
+        let Some(best) = estimate.best else { return step };
+        let step = step.formula(r"\mathbf{x'}^\top \, F \, \mathbf{x} = 0");
+        let Some(found) = epipoles(&best.matrix) else { return step };
+        let [here, there] = found.map(on_plane);
+        let step = match here {
+            Some(at) => step.put(value::EPIPOLE, at).formula(r"\mathbf{e} = {epipole:unit}"),
+            None => step.formula(r"\mathbf{e} \text{ at infinity}"),
         };
-        vec![constraint, epipole("e", here), epipole("e′", there)]
+        match there {
+            Some(at) => step.put(value::NEXT_EPIPOLE, at).formula(r"\mathbf{e'} = {next_epipole:unit}"),
+            None => step.formula(r"\mathbf{e'} \text{ at infinity}"),
+        }
     }
 
-    fn sequel(&self, index: usize, estimate: &Estimate<'_>, focus: Option<Focus>) -> Sequel {
-        if index == 0 { self.guided(estimate, focus) } else { self.rectified(estimate) }
+    fn sequel(&self, step: Step, index: usize, estimate: &Estimate<'_>, focus: Option<Focus>) -> Step {
+        if index == 0 { self.guided(step, estimate, focus) } else { self.rectified(step, estimate) }
     }
 
     fn draw_sequel(&self, index: usize, estimate: &Estimate<'_>, focus: Option<Focus>, scene: &mut Scene) {
@@ -298,33 +254,31 @@ impl EpipolarGeometry {
         camera.pose(&matrix, &self.inliers(estimate, &matrix))
     }
 
-    /// Why the pose of a camera is rejected, as a sentence, if it is.
-    fn doubt(&self, pose: &Pose, estimate: &Estimate<'_>) -> Option<String> {
-        let ([narrowest, widest], spanned) = (VIEWS_DEG, self.field_of_view_deg(estimate.size()));
-        if !(narrowest..=widest).contains(&spanned) {
-            return Some(format!(
-                " The pose is rejected: with this focal length the frame would span {}°, and a camera spans {}° to {}°.",
-                words::fixed(spanned, 1),
-                words::fixed(narrowest, 0),
-                words::fixed(widest, 0)
-            ));
+    /// Tells the pose of the camera, or why it is rejected; `is_doubted` if it is as uncertain as F.
+    fn posed(&self, step: Step, estimate: &Estimate<'_>, is_doubted: bool) -> Step {
+        let Some(pose) = self.pose(estimate) else {
+            return step.say(if is_doubted { case::NO_POSE_DOUBTED } else { case::NO_POSE });
+        };
+        let step = step.put(value::VIEW, self.field_of_view_deg(estimate.size())).put(value::LEAST_RATIO, LEAST_RATIO);
+        let step = step.put(value::NARROWEST_VIEW, VIEWS_DEG[0]).put(value::WIDEST_VIEW, VIEWS_DEG[1]);
+        let step = step.put(value::ROTATION, pose.angle_deg()).put(value::DIRECTION, pose.camera_direction());
+        let step = step.put(value::IN_FRONT, pose.in_front).put(value::SINGULAR_RATIO, pose.singular_ratio);
+        match self.doubt(&pose, estimate) {
+            Some(doubt) => step.say(doubt),
+            None => step.say(case::POSE).say_if(is_doubted, case::POSE_DOUBTED),
+        }
+    }
+
+    /// Why the pose of a camera is rejected, if it is.
+    fn doubt(&self, pose: &Pose, estimate: &Estimate<'_>) -> Option<&'static Case> {
+        let [narrowest, widest] = VIEWS_DEG;
+        if !(narrowest..=widest).contains(&self.field_of_view_deg(estimate.size())) {
+            return Some(case::WRONG_VIEW);
         }
         if pose.singular_ratio < LEAST_RATIO {
-            return Some(format!(
-                " The pose is rejected: the ratio of the singular values of the essential matrix is {}, and at least {} is needed (1 with the right \
-                 intrinsics). The focal length does not fit.",
-                words::fixed(pose.singular_ratio, 2),
-                words::fixed(LEAST_RATIO, 2)
-            ));
+            return Some(case::WRONG_RATIO);
         }
-        let inliers = estimate.best?.score.inliers;
-        (2 * pose.in_front <= inliers).then(|| {
-            format!(
-                " The pose is rejected: only {} of the {} inliers lie in front of both cameras, and more than half are needed.",
-                words::grouped(pose.in_front),
-                words::grouped(inliers)
-            )
-        })
+        (2 * pose.in_front <= estimate.best?.score.inliers).then_some(case::BEHIND)
     }
 }
 
@@ -332,33 +286,6 @@ impl EpipolarGeometry {
 const LEAST_RATIO: f64 = 0.8;
 /// Widest field of view of a camera without a fisheye lens, and the narrowest of a telephoto lens, in degrees.
 const VIEWS_DEG: [f64; 2] = [1.0, 150.0];
-
-/// Why points that a homography explains better do not determine F, and what to do.
-fn undetermined(planar: &Planarity) -> String {
-    if planar.is_one_plane() {
-        return "So the scene is a plane, or the camera only rotated. F is not determined by such points; use the global motion with a \
-                homography."
-            .to_owned();
-    }
-    format!(
-        "So F is not determined by these points. Whether the scene is a plane cannot be told either: {} of {} inliers do not follow the \
-         homography, as with several planes or several motions. Motion segmentation tells motions apart.",
-        words::grouped(planar.inliers - planar.explained),
-        words::grouped(planar.inliers)
-    )
-}
-
-/// The pose of the camera in words.
-fn posed(pose: &Pose) -> String {
-    let [x, y, z] = pose.camera_direction().map(|c| words::fixed(c, 2));
-    format!(
-        " The camera turned by {}° and moved along ({x}, {y}, {z}); {} of the inliers lie in front of both cameras. Ratio of the singular values of the \
-         essential matrix: {}.",
-        words::fixed(pose.angle_deg(), 2),
-        words::grouped(pose.in_front),
-        words::fixed(pose.singular_ratio, 2)
-    )
-}
 
 /// A homogeneous point in px; `None` at infinity.
 fn on_plane([x, y, w]: [f64; 3]) -> Option<[f64; 2]> {

@@ -1,26 +1,26 @@
 //! The global motion of a pair of frames: one transformation of the plane for all matches.
 
 mod mosaic;
+mod vocabulary;
 
 use mosaic::{mosaic, outlines};
+use vocabulary::{case, value};
 
-use crate::base::words;
 use crate::geometry::Gray;
 use crate::methods::camera_path::differences;
 use crate::methods::geometric::{
     Correspondence,
     fit::{across_horizon, fit, is_on_line, squared_errors},
     refine::least_squares,
-    robust::{self, Best, Estimate, Place, RobustModel, Sequel, robust_pseudocode},
+    robust::{self, Best, Estimate, Place, RobustModel, robust_pseudocode},
     system::System,
 };
 use crate::methods::matching;
-use crate::methods::numbers::percent;
 use crate::params;
 use crate::products::model::{Matrix3, Model, mapped};
 use crate::products::{ModelField, Output, Product, ProductKind, Support, metrics};
 use crate::run::Info;
-use crate::scene::{Canvas, Focus, Math, Picture, PictureRole, Role, Scene, Sentence, Shape};
+use crate::scene::{Canvas, Focus, Name, Picture, PictureRole, Role, Scene, Shape, Step};
 
 params! {
     /// One transformation that maps frame t to frame t + 1: RANSAC over matched keypoints.
@@ -88,22 +88,19 @@ impl RobustModel for GlobalMotion {
         self.model.sample_size()
     }
 
-    fn counting(&self) -> String {
-        format!("Each gives two equations, and the {} has {} degrees of freedom.", self.name(), self.model.freedom())
+    fn counting(&self, step: Step) -> Step {
+        step.put(value::FREEDOM, self.model.freedom()).say(case::COUNTING)
     }
 
     fn hypotheses(&self, sample: &[Correspondence]) -> Vec<Matrix3> {
         fit(self.model, sample).into_iter().collect()
     }
 
-    fn why_none(&self, sample: &[Correspondence]) -> String {
+    fn no_model(&self, step: Step, sample: &[Correspondence]) -> Step {
         let is_split = self.model == Model::Homography && !is_on_line(sample);
         match across_horizon(sample).filter(|count| is_split && *count > 0) {
-            Some(count) => format!(
-                "the homography through it maps {count} of its {} points beyond the horizon line of the plane, which a camera cannot see",
-                sample.len()
-            ),
-            None => "its points lie on a line or at one place".to_owned(),
+            Some(count) => step.put(value::BEYOND, count).say(case::BEYOND_HORIZON),
+            None => step.say(robust::case::COLLINEAR),
         }
     }
 
@@ -145,46 +142,37 @@ impl RobustModel for GlobalMotion {
         Output::of(self.field(estimate))
     }
 
-    fn conclusion(&self, estimate: &Estimate<'_>) -> String {
-        let Some(Best { matrix, score }) = estimate.best else { return String::new() };
-        let quality = self
-            .error(estimate)
-            .map_or_else(String::new, |error| format!(" Mean endpoint error {} px.", words::fixed(error, 3)));
-        format!(
-            "{}.{quality} {}",
-            self.described(&matrix),
-            self.advice(score.inliers * 2 < estimate.points.len(), estimate.place)
-        )
+    fn conclusion(&self, step: Step, estimate: &Estimate<'_>) -> Step {
+        let Some(Best { matrix, score }) = estimate.best else { return step };
+        let step = self.described(step, &matrix);
+        let step = match self.error(estimate) {
+            Some(error) => step.put(value::ENDPOINT_ERROR, error).say(case::ERROR),
+            None => step,
+        };
+        self.advise(step, score.inliers * 2 < estimate.points.len(), estimate.place)
     }
 
-    fn equations(&self, estimate: &Estimate<'_>) -> Vec<Math> {
-        let Some(Best { matrix, .. }) = estimate.best else { return Vec::new() };
+    fn formulas(&self, step: Step, estimate: &Estimate<'_>) -> Step {
         let (width, height) = estimate.size();
         let middle = [(width - 1) as f64 / 2.0, (height - 1) as f64 / 2.0];
-        let Some(to) = mapped(&matrix, middle) else { return Vec::new() };
-        let point = |[x, y]: [f64; 2]| Math::column([x, y].map(|c| Math::text(words::fixed(c, 2))));
-        vec![
-            Math::Row(vec![Math::Bold("x′"), Math::text(" = "), Math::Var("H"), Math::text(" "), Math::Bold("x")]),
-            Math::Row(vec![Math::text("centre "), point(middle), Math::text(" → "), point(to)]),
-        ]
+        let Some(to) = estimate.best.and_then(|best| mapped(&best.matrix, middle)) else { return step };
+        let step = step.put(value::CENTRE, middle).put(value::MAPPED_CENTRE, to);
+        step.formula(r"\mathbf{x'} = H \mathbf{x}").formula(r"\text{centre } {centre} \to {mapped_centre}")
     }
 
-    const SEQUELS: usize = 1;
+    const SEQUELS: &'static [Name] = &[line::REGISTER];
 
-    fn sequel(&self, _: usize, estimate: &Estimate<'_>, _: Option<Focus>) -> Sequel {
-        let registered = estimate.best.and_then(|best| differences(&best.matrix, lumas(estimate)));
-        let sentence = match registered {
-            Some([registered, at_rest]) => Sentence::default()
-                .text("Registered by H, both frames differ by ")
-                .ink(Role::Result, format!("{} gray levels", words::fixed(registered.mean, 2)))
-                .text(format!(
-                    " on average where they overlap, and by {} as they are. {}",
-                    words::fixed(at_rest.mean, 2),
-                    registration(registered.mean, at_rest.mean)
-                )),
-            None => Sentence::default().text("Registered by H, the frames do not overlap."),
+    fn sequel(&self, step: Step, _: usize, estimate: &Estimate<'_>, _: Option<Focus>) -> Step {
+        let differences = estimate.best.and_then(|best| differences(&best.matrix, lumas(estimate)));
+        let Some([registered, at_rest]) = differences.map(|of| of.map(|of| of.mean)) else {
+            return step.say(case::NO_OVERLAP);
         };
-        Sequel { line: Some(line::REGISTER), sentence, ..Sequel::default() }
+        let step = step.put(value::REGISTERED, registered).put(value::AT_REST, at_rest).say(case::REGISTERED);
+        step.say(match registered {
+            _ if registered > HARMFUL * at_rest => case::HARMFUL,
+            _ if registered > at_rest => case::USELESS,
+            _ => case::REMAINING,
+        })
     }
 
     fn draw_sequel(&self, _: usize, estimate: &Estimate<'_>, _: Option<Focus>, scene: &mut Scene) {
@@ -234,64 +222,37 @@ impl GlobalMotion {
         metrics::flow_error(&flow, estimate.truth?).ok().flatten().map(|error| error.epe_px)
     }
 
-    /// What the inliers say about the model; `is_few` if most matches are outliers.
-    fn advice(&self, is_few: bool, place: Option<Place>) -> String {
+    /// Tells the meaning of the inliers; `is_few` if most matches are outliers.
+    fn advise(&self, step: Step, is_few: bool, place: Option<Place>) -> Step {
         if let Some(share) = place.and_then(|place| place.foreground).filter(|share| *share > 0.5) {
-            return format!(
-                "By the ground truth, {} of the inliers lie on foreground objects: the consensus is the motion of an object and not that of \
-                 the background, as RANSAC follows the majority of the matches.",
-                percent(share)
-            );
+            return step.put(value::FOREGROUND, 100.0 * share).say(case::ON_FOREGROUND);
         }
-        let advice = match (is_few, self.robust.outliers > 0.0, self.model) {
-            (true, true, _) => {
-                "Fewer than half of the matches agree, because a share of them was replaced by random ones."
-            }
-            (true, false, Model::Homography) => {
-                "Fewer than half of the matches agree: many are wrong, or parallax and moving objects need local motion."
-            }
-            (true, false, _) => {
-                "Fewer than half of the matches agree: many are wrong, or parallax and moving objects need a model with more freedom."
-            }
-            (false, ..) => "Outliers are wrong matches, moving objects, or parallax the model cannot explain.",
-        };
+        let step = step.say(match (is_few, self.robust.outliers > 0.0, self.model) {
+            (true, true, _) => case::REPLACED,
+            (true, false, Model::Homography) => case::FEW,
+            (true, false, _) => case::FEW_FOR_MODEL,
+            (false, ..) => case::OUTLIERS,
+        });
         match place.filter(|place| place.foreground.is_none() && place.hull < SMALL_HULL) {
-            Some(place) => format!(
-                "{advice} The convex hull of the inliers covers {} of the picture: they may lie on a single object, and the model is \
-                 extrapolated elsewhere.",
-                percent(place.hull)
-            ),
-            None => advice.to_owned(),
+            Some(place) => step.put(value::HULL, 100.0 * place.hull).say(case::SMALL_HULL),
+            None => step,
         }
     }
 
-    /// The motion in words: translation, and rotation and scale where these are defined.
-    fn described(&self, matrix: &Matrix3) -> String {
+    /// Tells the motion: translation, and rotation and scale where these are defined.
+    fn described(&self, step: Step, matrix: &Matrix3) -> Step {
         let [[a, _, u], [c, _, v], _] = *matrix;
-        let motion = |[u, v]: [f64; 2]| format!("translation ({}, {}) px", words::fixed(u, 2), words::fixed(v, 2));
-        let degrees = words::fixed(c.atan2(a).to_degrees(), 2);
+        let moved = |step: Step| step.put(value::TRANSLATION, [u, v]);
+        let turned = |step: Step| moved(step).put(value::ROTATION, c.atan2(a).to_degrees());
         match self.model {
-            Model::Translation => motion([u, v]),
-            Model::Rigid => format!("rotation {degrees}°, {}", motion([u, v])),
-            Model::Similarity => {
-                format!("rotation {degrees}°, scale {}, {}", words::fixed(a.hypot(c), 3), motion([u, v]))
-            }
+            Model::Translation => moved(step).say(case::TRANSLATION),
+            Model::Rigid => turned(step).say(case::RIGID),
+            Model::Similarity => turned(step).put(value::SCALE, a.hypot(c)).say(case::SIMILARITY),
             Model::Affine | Model::Homography => match mapped(matrix, [0.0; 2]) {
-                Some(origin) => format!("{} with the {} at the origin", self.name(), motion(origin)),
-                None => format!("{} that maps the origin beyond its horizon line", self.name()),
+                Some(origin) => step.put(value::TRANSLATION, origin).say(case::WITH_ORIGIN),
+                None => step.say(case::WITHOUT_ORIGIN),
             },
         }
-    }
-}
-
-/// Judges the model by the mean difference of the registered frames beside that of the frames as they are.
-fn registration(registered: f64, at_rest: f64) -> &'static str {
-    if registered > HARMFUL * at_rest {
-        "Registration makes the difference larger, so the model does not hold for the picture as a whole."
-    } else if registered > at_rest {
-        "Registration does not reduce the difference, so the pictures give no evidence for the model."
-    } else {
-        "The remaining difference is noise and motion that the model does not have."
     }
 }
 

@@ -5,16 +5,15 @@ use nalgebra::Matrix3 as Square;
 use super::Correspondence;
 use super::fit::{Normalisation, normal_equations};
 use super::moments::{Moments, Normal};
-use crate::base::words::grouped;
 use crate::geometry::Grid;
 use crate::products::model::Matrix3;
-use crate::scene::{Fact, Matrix};
+use crate::scene::Matrix;
 
-/// Facts and matrices of a linear system.
+/// The size and the matrices of a linear system.
 #[derive(Clone, Debug, Default)]
 pub struct System {
-    /// Its size.
-    pub facts: Vec<Fact>,
+    /// Number of its homogeneous equations; `None` of normal equations.
+    pub equations: Option<usize>,
     /// Its matrices in the order of the computation.
     pub matrices: Vec<Matrix>,
 }
@@ -31,8 +30,7 @@ impl System {
     pub fn of_homography(matches: &[Correspondence]) -> Self {
         let Some((by, moments)) = normalised(matches) else { return Self::default() };
         let solved = Solved::of(moments.transfer());
-        let mut system = Self::solved_by(matches.len(), by, &solved);
-        system.facts.push(equations("h", 2 * matches.len()));
+        let mut system = Self::solved_by(matches.len(), 2 * matches.len(), by, &solved);
         system.matrices.push(matrix(("H", SOLUTION), &solved.vectors[0]));
         system
     }
@@ -42,8 +40,7 @@ impl System {
     pub fn of_fundamental(matches: &[Correspondence]) -> Self {
         let Some((by, moments)) = normalised(matches) else { return Self::default() };
         let solved = Solved::of(moments.bilinear());
-        let mut system = Self::solved_by(matches.len(), by, &solved);
-        system.facts.push(equations("f", matches.len()));
+        let mut system = Self::solved_by(matches.len(), matches.len(), by, &solved);
         let [least, next] = &solved.vectors;
         if matches.len() < 8 {
             system.matrices.push(matrix(("F₁", "solution, to be mixed"), least));
@@ -78,7 +75,7 @@ impl System {
             rows,
             ..shown(("R", "sums of products with x′ and y′"), Grid::from_fn(2, 3, |x, y| right[(y, x)]), 1)
         };
-        Self { facts: Vec::new(), matrices: vec![normal, right] }
+        Self { equations: None, matrices: vec![normal, right] }
     }
 
     /// The same with its solution named as what a refinement begins with.
@@ -91,7 +88,7 @@ impl System {
     }
 
     /// The normalisations and the eigenvalues.
-    fn solved_by(count: usize, by: [Normalisation; 2], solved: &Solved) -> Self {
+    fn solved_by(count: usize, equations: usize, by: [Normalisation; 2], solved: &Solved) -> Self {
         let per_match = |i: usize| solved.eigenvalues[i] / count as f64;
         let values = Grid::from_fn(1, SHOWN.len(), |_, y| per_match(SHOWN[y].0));
         let rows = SHOWN.map(|(_, name)| name.to_owned()).to_vec();
@@ -101,7 +98,7 @@ impl System {
             matrix(("T′", "normalisation of frame t+1"), &to.matrix()),
             Matrix { rows, ..shown(("λ", "eigenvalues of A^T A per match"), values, 6) },
         ];
-        Self { facts: Vec::new(), matrices }
+        Self { equations: Some(equations), matrices }
     }
 }
 
@@ -130,10 +127,6 @@ fn normalised(matches: &[Correspondence]) -> Option<([Normalisation; 2], Moments
     let to = Normalisation::of(matches.iter().map(|m| m.to))?;
     let moments = Moments::of(matches, [&from, &to], &vec![1.0; matches.len()]);
     Some(([from, to], moments))
-}
-
-fn equations(unknown: &str, count: usize) -> Fact {
-    Fact::new("Linear system", format!("A {unknown} = 0 with {}×9 entries", grouped(count)), None)
 }
 
 fn matrix(names: (&'static str, &'static str), entries: &Matrix3) -> Matrix {

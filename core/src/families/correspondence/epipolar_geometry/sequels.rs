@@ -1,19 +1,19 @@
 //! What follows from the fundamental matrix: guided matching along epipolar lines, and the rectified pair.
 
-use super::{EpipolarGeometry, Planarity, cut, line, line_of};
-use crate::base::{Threads, words};
+use super::vocabulary::{case, value};
+use super::{EpipolarGeometry, Planarity, cut, line_of};
+use crate::base::Threads;
 use crate::data::Clip;
 use crate::methods::camera_path::matrix;
 use crate::methods::geometric::Correspondence;
 use crate::methods::geometric::epipolar::{epipoles, sampson_squared};
 use crate::methods::geometric::rectify::{Rectification, Refusal, rectify};
-use crate::methods::geometric::robust::{Best, Estimate, Sequel};
+use crate::methods::geometric::robust::{Best, Estimate};
 use crate::methods::matching::{Admits, Candidates};
-use crate::methods::numbers::percent;
 use crate::products::model::{IDENTITY, Matrix3, inverse};
 use crate::products::registration::registered;
-use crate::products::{Match, MatchField, MatchStatus};
-use crate::scene::{Canvas, Fact, Focus, Link, Picture, Role, Scene, Sentence, Shape};
+use crate::products::{Match, MatchErrors, MatchField, MatchStatus};
+use crate::scene::{Canvas, Focus, Link, Picture, Readout, Role, Scene, Shape, Step};
 
 /// Largest number of rows drawn on the rectified pair.
 const ROWS: usize = 12;
@@ -21,49 +21,20 @@ const ROWS: usize = 12;
 /// From this ratio of areas on, a rectified picture is mostly the surroundings of its epipole, and the rest of it a sliver.
 const DISTORTED: f64 = 8.0;
 
-/// Why the rectified pair is distorted, and what to use instead.
-fn distortion(estimate: &Estimate<'_>, frame: usize, stretch: f64) -> Option<String> {
+/// The symbols of the epipoles and the names of their frames.
+const EPIPOLES: [(&str, &str); 2] = [("e", "frame t"), ("e′", "frame t+1")];
+
+/// The distance of an epipole from its frame in px.
+fn beside_px(estimate: &Estimate<'_>, frame: usize) -> Option<f64> {
     let [x, y, w] = epipoles(&estimate.best?.matrix)?[frame];
     let (width, height) = estimate.size();
     let outside = |c: f64, extent: usize| (-c).max(c - (extent - 1) as f64).max(0.0);
-    let beside = outside(x / w, width).hypot(outside(y / w, height));
-    let which = if frame == 0 { "e lies only {} px beside frame t" } else { "e′ lies only {} px beside frame t+1" };
-    Some(format!(
-        ", but the epipole {}: areas next to it are magnified {} times as much as those far from it, so most of the picture is a sliver. Guided \
-         matching needs no rectification; a polar rectification keeps the lengths of epipolar lines.",
-        which.replace("{}", &words::grouped(beside.round() as usize)),
-        words::fixed(stretch, 1)
-    ))
+    Some(outside(x / w, width).hypot(outside(y / w, height)))
 }
 
-/// The share of right ones among matches with a known true displacement, if there are any.
-fn precision(all: &[Match], estimate: &Estimate<'_>) -> Option<f64> {
-    MatchField::compare(all.iter(), estimate.truth?).precision()
-}
-
-/// What guidance does to the share of right matches, as a sentence.
-fn effect(plain: &[Match], guided: &[Match], estimate: &Estimate<'_>) -> String {
-    let alone = guided.iter().filter(|found| found.ratio.is_none()).count();
-    match (precision(plain, estimate), precision(guided, estimate)) {
-        (Some(before), Some(after)) if after < before => format!(
-            " The share of right ones falls from {} to {}: wrong candidates near the line pass more easily, and {} without a second \
-             candidate, so without a ratio test.",
-            percent(before),
-            percent(after),
-            if alone == 1 { "1 match was".to_owned() } else { format!("{} matches were", words::grouped(alone)) }
-        ),
-        _ => String::new(),
-    }
-}
-
-/// The number of matches, and of the right ones among them where the true displacement is known.
-fn counted_matches(all: &[Match], estimate: &Estimate<'_>) -> String {
-    let count = words::counted(all.len(), "match");
-    let errors = estimate.truth.map(|truth| MatchField::compare(all.iter(), truth));
-    match errors.filter(|errors| errors.known > 0) {
-        Some(errors) => format!("{count}, {} of {} right", words::grouped(errors.right), words::grouped(errors.known)),
-        None => count,
-    }
+/// The right ones among matches with a known true displacement, if there are any.
+fn compared(all: &[Match], estimate: &Estimate<'_>) -> Option<MatchErrors> {
+    Some(MatchField::compare(all.iter(), estimate.truth?)).filter(|errors| errors.known > 0)
 }
 
 impl EpipolarGeometry {
@@ -91,32 +62,34 @@ impl EpipolarGeometry {
         all
     }
 
-    pub(super) fn guided(&self, estimate: &Estimate<'_>, focus: Option<Focus>) -> Sequel {
-        let Some(Best { matrix, .. }) = estimate.best else { return Sequel::default() };
+    pub(super) fn guided(&self, step: Step, estimate: &Estimate<'_>, focus: Option<Focus>) -> Step {
+        let Some(Best { matrix, .. }) = estimate.best else { return step };
         let (plain, found) = (self.unguided(estimate), self.along_lines(estimate, &matrix));
-        let limit = words::fine(self.robust.threshold);
-        let mut facts = vec![
-            Fact::new("Unguided", counted_matches(&plain, estimate), Some(Role::Reference)),
-            Fact::new("Guided", counted_matches(&found, estimate), Some(Role::Result)),
-        ];
-        if let Some((_, near)) = self.example(estimate, &matrix, (&found, focus)) {
-            let of = estimate.pair.sides[1].points.len();
-            facts.push(Fact::new(
-                "Candidates near the line",
-                format!("{} of {}", words::grouped(near.len()), words::grouped(of)),
-                Some(Role::Candidate),
-            ));
+        let [before, after] = [&plain, &found].map(|all| compared(all, estimate));
+        let (mut step, unguided) = (step, value::UNGUIDED.is(plain.len()));
+        if let Some(errors) = before {
+            step = step.put(value::UNGUIDED_RIGHT, errors.right).put(value::UNGUIDED_KNOWN, errors.known);
         }
-        let sentence = Sentence::default()
-            .text(format!("Guided matching compares each keypoint only with those within {limit} px of its epipolar line: "))
-            .ink(Role::Result, counted_matches(&found, estimate))
-            .text(format!(
-                ". Without guidance there are {}. Fewer candidates look alike, so the ratio test rejects fewer correct matches; keypoints \
-                 off the line are not matched at all.{}",
-                counted_matches(&plain, estimate),
-                effect(&plain, &found, estimate)
-            ));
-        Sequel { line: Some(line::GUIDE), sentence, facts, matrices: Vec::new() }
+        if let Some(errors) = after {
+            step = step.put(value::GUIDED_RIGHT, errors.right).put(value::GUIDED_KNOWN, errors.known);
+        }
+        let step = step.fact_as(unguided, if before.is_some() { case::UNGUIDED_OF } else { case::UNGUIDED });
+        let guided = if after.is_some() { case::GUIDED_OF } else { case::GUIDED };
+        let mut step = step.fact_as(value::GUIDED.is(found.len()), guided);
+        if let Some((_, near)) = self.example(estimate, &matrix, (&found, focus)) {
+            step = step.put(value::KEYPOINTS, estimate.pair.sides[1].points.len());
+            step = step.fact_as(value::NEAR.is(near.len()), case::NEAR_OF);
+        }
+        let step = step.say(case::GUIDANCE).say(guided).say(case::WITHOUT_GUIDANCE);
+        let step = step.say(if before.is_some() { case::UNGUIDED_OF } else { case::UNGUIDED }).say(case::LESS_ALIKE);
+        match [before, after].map(|errors| errors.and_then(MatchErrors::precision)) {
+            [Some(before), Some(after)] if after < before => step
+                .put(value::UNGUIDED_PRECISION, 100.0 * before)
+                .put(value::GUIDED_PRECISION, 100.0 * after)
+                .put(value::WITHOUT_SECOND, found.iter().filter(|found| found.ratio.is_none()).count())
+                .say(case::LESS_PRECISE),
+            _ => step,
+        }
     }
 
     /// A keypoint, the one nearest to the point pointed at or that of the middle match, and its candidates near the epipolar line.
@@ -176,54 +149,33 @@ impl EpipolarGeometry {
         rectify(&matrix, &inliers, estimate.size()).map(|found| (found, inliers))
     }
 
-    pub(super) fn rectified(&self, estimate: &Estimate<'_>) -> Sequel {
-        let said = Sentence::default();
-        let (sentence, facts, matrices) = match self.rectification(estimate) {
-            Ok((found, inliers)) => {
-                let (width, height) = found.size;
-                let off = found.row_error_px(&inliers).map_or_else(|| "none".into(), |off| words::fixed(off, 2));
-                let (frame, stretch) = found.stretch(estimate.size());
-                let facts = vec![
-                    Fact::new("Rectified pictures", format!("{width}×{height} px"), None),
-                    Fact::new("Mean difference of rows", format!("{off} px"), Some(Role::Result)),
-                    Fact::new("Largest ratio of areas", words::fixed(stretch, 1), None),
-                ];
-                let matrices = vec![
-                    matrix("H", "rectifies frame t", Role::Reference, &found.maps[0]),
-                    matrix("H′", "rectifies frame t+1", Role::Result, &found.maps[1]),
-                ];
-                let sentence = said
-                    .text("Rectification: both frames are warped so that epipolar lines are horizontal and corresponding ones lie in the same row. The rows of the inliers differ by ")
-                    .ink(Role::Result, format!("{off} px"))
-                    .text(" on average");
-                let use_of_it = || "; the search for a match is along a row, as in stereo vision.".to_owned();
-                let distorted = (stretch > DISTORTED).then(|| distortion(estimate, frame, stretch)).flatten();
-                (sentence.text(distorted.unwrap_or_else(use_of_it)), facts, matrices)
-            }
+    pub(super) fn rectified(&self, step: Step, estimate: &Estimate<'_>) -> Step {
+        let of_epipole =
+            |step: Step, i: usize| step.put(value::SYMBOL, EPIPOLES[i].0).put(value::PICTURE, EPIPOLES[i].1);
+        let (found, inliers) = match self.rectification(estimate) {
+            Ok(found) => found,
             Err(Refusal::EpipoleInside { frame, at }) => {
-                let which = if frame == 0 { "e lies inside frame t" } else { "e′ lies inside frame t+1" };
-                let at = words::place(at.map(|c| c as f32));
-                let sentence = said.ink(Role::Rejected, "Rectification is impossible").text(format!(
-                    ": the epipole {which} at {at}. A homography that sends it to infinity tears the picture. So it is where a camera moves toward the \
-                     scene, or where few points determine F. A polar rectification would be needed."
-                ));
-                (sentence, vec![Fact::new("Epipole inside", format!("{at} px"), Some(Role::Rejected))], Vec::new())
+                return of_epipole(step, frame).fact(value::EPIPOLE_INSIDE, at).say(case::EPIPOLE_INSIDE);
             }
-            Err(Refusal::Planar(share)) => {
-                let sentence = said
-                    .ink(Role::Rejected, "Rectification would mean nothing")
-                    .text(": the fundamental matrix is not determined where a homography is the better model.");
-                let fact = Fact::new("Explained by a homography", percent(share), Some(Role::Rejected));
-                (sentence, vec![fact], Vec::new())
-            }
-            Err(Refusal::Degenerate) => {
-                let sentence = said
-                    .ink(Role::Rejected, "Rectification is impossible")
-                    .text(": the fundamental matrix does not determine both homographies, or they tear a picture.");
-                (sentence, Vec::new(), Vec::new())
-            }
+            Err(Refusal::Planar(share)) => return step.fact(value::ON_PLANE, 100.0 * share).say(case::MEANINGLESS),
+            Err(Refusal::Degenerate) => return step.say(case::IMPOSSIBLE),
         };
-        Sequel { line: Some(line::RECTIFY), sentence, facts, matrices }
+        let ((width, height), (frame, stretch)) = (found.size, found.stretch(estimate.size()));
+        let off = found.row_error_px(&inliers);
+        let step = step.put(value::HEIGHT, height).fact_as(value::WIDTH.is(width), case::SIZE);
+        let step = step.fact_if(value::ROW_ERROR, off).fact(value::STRETCH, stretch).say(case::RECTIFIED);
+        let step = step.show(Readout::Matrices(vec![
+            matrix("H", "rectifies frame t", Role::Reference, &found.maps[0]),
+            matrix("H′", "rectifies frame t+1", Role::Result, &found.maps[1]),
+        ]));
+        let step = match off {
+            Some(_) => step.say(case::ROWS_DIFFER),
+            None => return step,
+        };
+        match beside_px(estimate, frame).filter(|_| stretch > DISTORTED) {
+            Some(beside) => of_epipole(step, frame).put(value::BESIDE, beside).say(case::DISTORTED),
+            None => step.say(case::SEARCH),
+        }
     }
 
     pub(super) fn draw_rectified(&self, estimate: &Estimate<'_>, scene: &mut Scene) {

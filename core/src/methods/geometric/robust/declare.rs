@@ -1,6 +1,7 @@
 //! The pseudocode that all robust estimators share.
 
-use crate::scene::{Question, Reading, Reply};
+use super::vocabulary::{case, value};
+use crate::scene::{Question, Reply};
 
 /// The lines that all robust estimators share.
 pub(super) mod line {
@@ -12,13 +13,18 @@ pub(super) const QUESTIONS: &[Question] = &[
     Question::choice(
         "better",
         "Is the next hypothesis the best so far?",
-        &[Reply::says(line::COUNT, "Discarded", "No: discarded"), Reply::at(line::COUNT, "Yes")],
+        &[
+            Reply::told(line::COUNT, case::NOT_MORE_INLIERS, "No: discarded"),
+            Reply::told(line::COUNT, case::NOT_LOWER_COST, "No: discarded"),
+            Reply::at(line::COUNT, "Yes"),
+        ],
     )
-    .unless("the first hypothesis"),
-    Question::number(
+    .unless_told(&[case::FIRST]),
+    Question::value(
         "inliers",
         "How many matches are inliers of the model fitted to all inliers?",
-        Reading { line: line::REFIT, after: ": ", before: " of", unit: "matches" },
+        line::REFIT,
+        value::INLIERS,
     ),
 ];
 

@@ -1,10 +1,12 @@
 //! Robust estimation of a geometric model from matches: RANSAC as an estimator, for any model.
 
+mod charts;
 mod declare;
 mod doubt;
 mod explain;
 mod place;
 mod settings;
+mod vocabulary;
 
 use std::sync::Arc;
 
@@ -19,7 +21,7 @@ use crate::params::{Params, inner_params};
 use crate::products::model::Matrix3;
 use crate::products::{Match, MatchField, MatchStatus, Output, Product, ProductKind};
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Fact, Focus, Math, Matrix, Name, Picture, Question, Role, Scene, Sentence, Step};
+use crate::scene::{Chart, Focus, Name, Picture, Question, Role, Scene, Step};
 use crate::synth::random::{hash, unit};
 
 use declare::QUESTIONS;
@@ -28,6 +30,7 @@ pub use doubt::Doubt;
 use doubt::{distinct, sides_px};
 pub use place::Place;
 pub use settings::Settings;
+pub(crate) use vocabulary::{case, value};
 
 /// A geometric model that is estimated from matches.
 pub trait RobustModel: Params + Default + Clone + Send + Sync + 'static {
@@ -52,15 +55,15 @@ pub trait RobustModel: Params + Default + Clone + Send + Sync + 'static {
     /// Number of matches of a sample.
     fn sample_size(&self) -> usize;
 
-    /// Why a sample has so many matches, as a sentence.
-    fn counting(&self) -> String;
+    /// Tells why a sample has so many matches.
+    fn counting(&self, step: Step) -> Step;
 
     /// The models through a sample; none if it determines none.
     fn hypotheses(&self, sample: &[Correspondence]) -> Vec<Matrix3>;
 
-    /// Why a sample determines no model, as the end of a sentence.
-    fn why_none(&self, _sample: &[Correspondence]) -> String {
-        "its points lie on a line or at one place".to_owned()
+    /// Tells why a sample determines no model.
+    fn no_model(&self, step: Step, _sample: &[Correspondence]) -> Step {
+        step.say(case::COLLINEAR)
     }
 
     /// Number of inliers of each further sample by which the last hypothesis is optimised; 0 for none.
@@ -91,20 +94,20 @@ pub trait RobustModel: Params + Default + Clone + Send + Sync + 'static {
     /// The product of a run so far.
     fn output(&self, estimate: &Estimate<'_>) -> Output;
 
-    /// The quality of the final model and what it means, as sentences.
-    fn conclusion(&self, estimate: &Estimate<'_>) -> String;
+    /// Tells the quality of the final model and what it means.
+    fn conclusion(&self, step: Step, estimate: &Estimate<'_>) -> Step;
 
-    /// Further formulas about the final model.
-    fn equations(&self, _estimate: &Estimate<'_>) -> Vec<Math> {
-        Vec::new()
+    /// Adds further formulas about the final model.
+    fn formulas(&self, step: Step, _estimate: &Estimate<'_>) -> Step {
+        step
     }
 
-    /// Number of steps that follow from the final model.
-    const SEQUELS: usize = 0;
+    /// The lines of the steps that follow from the final model.
+    const SEQUELS: &'static [Name] = &[];
 
     /// Explains one of them.
-    fn sequel(&self, _index: usize, _estimate: &Estimate<'_>, _focus: Option<Focus>) -> Sequel {
-        Sequel::default()
+    fn sequel(&self, step: Step, _index: usize, _estimate: &Estimate<'_>, _focus: Option<Focus>) -> Step {
+        step
     }
 
     /// Draws one of them.
@@ -112,19 +115,6 @@ pub trait RobustModel: Params + Default + Clone + Send + Sync + 'static {
 
     /// Draws a model; `focus` is the point pointed at.
     fn draw(&self, estimate: &Estimate<'_>, matrix: Matrix3, focus: Option<Focus>, scene: &mut Scene);
-}
-
-/// The explanation of a step that follows from the final model.
-#[derive(Default)]
-pub struct Sequel {
-    /// Its line of pseudocode.
-    pub line: Option<Name>,
-    /// What happened and why.
-    pub sentence: Sentence,
-    /// Its numbers.
-    pub facts: Vec<Fact>,
-    /// Its matrices.
-    pub matrices: Vec<Matrix>,
 }
 
 /// The estimate at some time of a run.
@@ -227,8 +217,8 @@ pub enum Event {
     Degenerate,
     /// A model through the sample.
     Hypothesis(Matrix3),
-    /// The inliers of the hypothesis were counted.
-    Scored(Score),
+    /// The inliers of the hypothesis were counted; whether it is the best so far.
+    Scored(Score, bool),
     /// The new best hypothesis was fitted to its inliers.
     Local(Matrix3, Score),
     /// The hypothesis is the best so far; so many iterations are needed with it.
@@ -357,9 +347,10 @@ impl<M: RobustModel> Robust<M> {
         for matrix in hypotheses {
             observer.see(|| Event::Hypothesis(matrix));
             let score = self.score(points, &matrix);
-            observer.see(|| Event::Scored(score));
+            let is_best = consensus.best.is_none_or(|best| score.is_better(&best.score));
+            observer.see(|| Event::Scored(score, is_best));
             own = own.max(Some(score.inliers));
-            if consensus.best.is_none_or(|best| score.is_better(&best.score)) {
+            if is_best {
                 self.keep(points, consensus, Best { matrix, score }, observer);
             }
         }
@@ -449,7 +440,7 @@ impl<M: RobustModel> Robust<M> {
         let kept = Some(best).filter(|_| doubt.is_none());
         (consensus.fitted, consensus.best) = (kept, kept);
         if let Some(best) = kept {
-            (0..M::SEQUELS).for_each(|index| observer.see(|| Event::Sequel(index, best)));
+            (0..M::SEQUELS.len()).for_each(|index| observer.see(|| Event::Sequel(index, best)));
         }
     }
 
