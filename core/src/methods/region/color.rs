@@ -354,6 +354,11 @@ impl Histogram {
         bins
     }
 
+    /// Whether all of it is in one bin.
+    pub(crate) fn is_flat(&self) -> bool {
+        self.support.len() == 1
+    }
+
     /// Memory in bytes.
     pub(crate) fn bytes(&self) -> usize {
         size_of::<Self>() + size_of_val(&self.shares[..]) + size_of_val(&self.support[..])

@@ -1,12 +1,13 @@
 //! Compares a mask with the true pixels of its object: its pixels outside the object, and those of the object that it misses.
 
 use super::ending::FAIR;
+use super::vocabulary::{case, value};
 use crate::base::Error;
 use crate::data::{Clip, Mask, PixelClass};
 use crate::geometry::{Bounds, Grid};
-use crate::methods::numbers::{gray, percent};
 use crate::products::MaskField;
 use crate::products::region::RegionError;
+use crate::scene::Step;
 
 /// The pixels of a mask in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,37 +41,38 @@ impl Content {
         Self { means: [mean(sums[0], content.object), mean(sums[1], foreign)], ..content }
     }
 
-    /// The shares of the mask and of the object, as a sentence.
-    fn words(&self, frame: usize) -> Option<String> {
-        let share = |part: usize, all: usize| percent(part as f64 / all as f64);
+    /// Tells the shares of the mask and of the object.
+    fn tell(&self, step: Step, frame: usize) -> Step {
         if self.inside == 0 || self.object == 0 {
-            return None;
+            return step;
         }
-        let [object, taken] = self.means.map(gray);
-        let left_out = share(self.object - self.own, self.object);
-        Some(match self.inside - self.own {
-            0 => {
-                format!(" The contour shrank into the object in frame {frame}: {left_out} of the object lies outside.")
-            }
-            foreign => format!(
-                " The contour left the object in frame {frame}: {} of its inside is not the object, with a mean gray level of {taken} against \
-                 {object} on the object, and {left_out} of the object lies outside.",
-                share(foreign, self.inside)
-            ),
-        })
+        let percent = |part: usize, all: usize| 100.0 * part as f64 / all as f64;
+        let foreign = self.inside - self.own;
+        let step = step.put(value::FRAME_OFF, frame).put(value::FOREIGN, percent(foreign, self.inside));
+        let step = step.put(value::OBJECT_LEVEL, self.means[0]).put(value::FOREIGN_LEVEL, self.means[1]);
+        let step = step.put(value::LEFT_OUT, percent(self.object - self.own, self.object));
+        step.say(if foreign == 0 { case::CONTOUR_SHRANK } else { case::CONTOUR_LEFT })
     }
 }
 
-/// What the mask held in the first frame in which it was no longer on the object, as a sentence; nothing where it stayed, or where the true
+/// Tells the pixels of the mask in the first frame in which it was no longer on the object; nothing where it stayed, or where the true
 /// pixels are not known.
-pub(super) fn told(clip: &Clip, masks: &MaskField, errors: &[RegionError]) -> Option<String> {
+pub(super) fn tell(step: Step, clip: &Clip, masks: &MaskField, errors: &[RegionError]) -> Step {
+    match first_off(clip, masks, errors) {
+        Some((content, frame)) => content.tell(step, frame),
+        None => step,
+    }
+}
+
+/// The pixels of the mask in the first frame in which it was no longer on the object, and that frame.
+fn first_off(clip: &Clip, masks: &MaskField, errors: &[RegionError]) -> Option<(Content, usize)> {
     let of_frame = |frame: usize| masks.frames.get(frame.checked_sub(masks.first)?)?.mask.as_ref();
     let left = errors.iter().filter(|error| error.overlap < FAIR);
     let (error, mask) = left.filter_map(|error| Some((error, of_frame(error.frame)?))).next()?;
     let pixels = object(clip, error.frame, error.truth).ok().flatten()?;
     let frame = clip.frame(error.frame).ok()?;
     let is_object = |x: usize, y: usize| pixels.get(x, y);
-    Content::of(&mask.unpacked(), is_object, frame.luma()).words(error.frame)
+    Some((Content::of(&mask.unpacked(), is_object, frame.luma()), error.frame))
 }
 
 /// The visible pixels of the object with this true box: those of the foreground with the label that most of it has in the box.
@@ -95,6 +97,7 @@ fn object(clip: &Clip, frame: usize, Bounds { min, max }: Bounds) -> Result<Opti
 
 #[cfg(test)]
 mod tests {
+    use super::super::line;
     use super::*;
 
     #[test]
@@ -104,13 +107,14 @@ mod tests {
         let mask = Mask::from_fn(10, 4, |x, _| (2..7).contains(&x));
         let content = Content::of(&mask, |x, _| x < 4, &luma);
         assert_eq!(content, Content { inside: 20, own: 8, object: 16, means: [100.0, (100.0 + 2.0 * 140.0) / 3.0] });
-        let said = content.words(3).expect("a sentence");
+        let said = |content: Content| content.tell(Step::at(line::MOVE), 3).sentence.plain();
+        let left = said(content);
         assert!(
-            said.contains("60.0 % of its inside is not the object") && said.contains("50.0 % of the object lies"),
-            "{said}"
+            left.contains("60.0 % of its inside is not the object") && left.contains("50.0 % of the object lies"),
+            "{left}"
         );
-        let within = Content::of(&mask, |x, _| x < 8, &luma).words(3).expect("a sentence");
+        let within = said(Content::of(&mask, |x, _| x < 8, &luma));
         assert!(within.contains("shrank into the object in frame 3: 37.5 %"), "{within}");
-        assert_eq!(Content::of(&Mask::new(10, 4), |x, _| x < 4, &luma).words(3), None);
+        assert_eq!(said(Content::of(&Mask::new(10, 4), |x, _| x < 4, &luma)), "");
     }
 }

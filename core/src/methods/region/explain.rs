@@ -4,32 +4,23 @@ use super::content;
 use super::ending::{FAIR, GROWN};
 use super::regained::Regained;
 use super::start::{Origin, WHOLE};
+use super::vocabulary::{case, value};
 use super::{At, Ending, Event, Explained, Outcome, RegionTracking, State, line, plots};
-use crate::base::words::{counted, fixed, place};
 use crate::data::Clip;
-use crate::methods::numbers::{px, ratio};
 use crate::products::region::{NEAR_PX, RegionError, RegionScores, Sight, area_ratio, covered, success};
 use crate::products::{Region, RegionField, RegionFrame};
 use crate::run::Seen;
-use crate::scene::{Fact, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
+use crate::scene::{Case, Name, Picture, Readout, Role, Scene, Series, Shape, Step, Unit, Variable};
 
 /// The longest path that is drawn, in frames.
 const TRAIL_FRAMES: usize = 30;
 
-/// A width and a height as text.
-fn size([width, height]: [f32; 2]) -> String {
-    format!("{}×{} px", px(width.into()), px(height.into()))
-}
-
-/// The size of a region, and how far it is turned if it is.
-fn extent(region: &Region) -> String {
-    match fixed(region.angle_rad.to_degrees().into(), 0).as_str() {
-        "0" => size(region.size),
-        angle => format!("{}, turned by {angle}°", size(region.size)),
-    }
-}
-
 impl<T: Explained> RegionTracking<T> {
+    /// The similarity by which the tracker judges its match.
+    const SIMILARITY: &'static Variable =
+        &Variable { label: T::SIMILARITY.label, unit: Self::UNIT, ..*value::SIMILARITY };
+    const UNIT: Unit = Unit::new("", T::SIMILARITY.decimals as u8);
+
     pub(super) fn line_of(&self, event: &Event<T::Event>) -> Name {
         match event {
             Event::Chosen | Event::Refused => line::CHOOSE,
@@ -37,11 +28,6 @@ impl<T: Explained> RegionTracking<T> {
             Event::Own(event) => self.0.line(event),
             Event::Moved(_) => line::MOVE,
         }
-    }
-
-    /// The run at an event of the tracker.
-    fn at<'a>(seen: &'a Seen<'_, Self>) -> Option<At<'a, T>> {
-        matches!(seen.events.last()?, Event::Own(_)).then(|| Self::at_last(seen))?
     }
 
     /// The run at the last event of the tracker in the frame.
@@ -60,160 +46,127 @@ impl<T: Explained> RegionTracking<T> {
     }
 
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
-        let line = seen.events.last().map_or(line::EACH_FRAME, |event| self.line_of(event));
-        Step { values: Vec::new(), line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
+        let state = seen.before;
+        let Some(event) = seen.events.last() else {
+            let step = Step::at(line::EACH_FRAME).put(value::ESTIMATOR, T::INFO.name);
+            return self.0.open(step.put(value::FRAMES, self.0.settings().frames));
+        };
+        let step = Step::at(self.line_of(event)).fact(value::FRAME, state.frame);
+        let step = match event {
+            Event::Moved(result) => placed(step, &result.region, Role::Estimate),
+            _ => placed(step, &state.region, Role::Reference),
+        };
+        let step = match event {
+            Event::Chosen => chosen(state, step),
+            Event::Refused => match state.refusal.as_deref() {
+                Some(why) => step.say(case::REFUSED).tell(why.clone()).say(case::RUN_ENDS),
+                None => step,
+            },
+            Event::Waiting => step.say(case::WAITING),
+            Event::Own(_) => Self::with_last(seen, step, |at, step| self.0.step(at, step)),
+            Event::Moved(result) => self.resulted(seen, result, step),
+        };
+        step.show_all(self.histories(seen, matches!(event, Event::Moved(_))).into_iter().map(Readout::Series))
     }
 
-    fn sentence(&self, seen: &Seen<Self>) -> Sentence {
-        let said = Sentence::default();
-        let state = seen.before;
-        match seen.events.last() {
-            None => said.text(self.0.opening()),
-            Some(Event::Chosen) => chosen(state, said),
-            Some(Event::Refused) => said
-                .ink(Role::Error, "The region cannot be tracked")
-                .text(format!(": {} The run ends.", state.refusal.as_deref().unwrap_or_default())),
-            Some(Event::Waiting) => said.ink(Role::Error, format!("Frame {}: failure", state.frame)).text(
-                ", as the region and the true box had nothing in common. The tracker restarts from the true box 5 frames later, once the object is wholly \
-                 visible.",
-            ),
-            Some(Event::Own(_)) => Self::at(seen).map_or(said, |at| self.0.sentence(&at)),
-            Some(Event::Moved(result)) => match seen.after.filter(|after| is_over(seen.clip, after)) {
-                Some(after) => self.concluded((seen, after), result, said),
-                None => self.moved(seen, result, said),
-            },
+    /// The result of a frame, after the last one with the conclusion of the run.
+    fn resulted(&self, seen: &Seen<Self>, result: &RegionFrame, step: Step) -> Step {
+        let step = step.put(value::MEASURE, T::SIMILARITY.name).put(value::MEASURE_LABEL, T::SIMILARITY.label);
+        let step = step.put(value::LOOKALIKE, T::SIMILARITY.shared_by).fact(Self::SIMILARITY, result.similarity);
+        let step = match error_of_last(seen) {
+            Some(error) => step.fact(value::OVERLAP, error.overlap).fact(value::CENTER_ERROR, error.center_px),
+            None => step,
+        };
+        match seen.after.filter(|after| is_over(seen.clip, after)) {
+            Some(after) => self.concluded((seen, after), result, step),
+            None => self.moved(seen, result, step),
         }
     }
 
     /// The result of a frame, beside the truth where that is known.
-    fn moved(&self, seen: &Seen<Self>, result: &RegionFrame, said: Sentence) -> Sentence {
-        let (state, similarity) = (seen.before, T::SIMILARITY);
-        let by = [0, 1].map(|i| result.region.center[i] - state.region.center[i]);
-        let value = fixed(result.similarity.into(), similarity.decimals);
-        let said = if result.is_lost {
-            said.text(format!("In frame {} the object is ", state.frame)).ink(Role::Error, "lost").text(format!(
-                "{} ({} {value}). The region stays at {} px.",
-                self.why(seen),
-                similarity.name,
-                place(result.region.center)
-            ))
+    fn moved(&self, seen: &Seen<Self>, result: &RegionFrame, step: Step) -> Step {
+        let (state, error) = (seen.before, error_of_last(seen));
+        let step = if result.is_lost {
+            Self::with_last(seen, step.say(case::LOST), |at, step| self.0.tell_loss(at, step)).say(case::STAYS)
         } else {
-            said.text(format!("Frame {}: the region moves by ", state.frame))
-                .ink(Role::Estimate, format!("{} px", place(by)))
-                .text(format!(
-                    " to {} px and measures {}. {} {value}.",
-                    place(result.region.center),
-                    extent(&result.region),
-                    similarity.label
-                ))
-                .text(
-                    Regained::of(&state.past, result)
-                        .map_or_else(String::new, |regained| regained.told(similarity, error_of_last(seen).is_some())),
-                )
-                .text(self.caveat(seen))
+            let motion = [0, 1].map(|i| result.region.center[i] - state.region.center[i]);
+            let step = step.put(value::MOTION, motion).say(case::MOVED);
+            let step = step.say_if(is_turned(&result.region), case::TURNED).say(case::MEASURED);
+            let step = match Regained::of(&state.past, result) {
+                Some(regained) => regained.tell(step, Self::UNIT, error.is_some()),
+                None => step,
+            };
+            Self::with_last(seen, step, |at, step| self.0.tell_caveat(at, step))
         };
-        let Some(error) = error_of_last(seen) else { return said.text(unseen_here(seen).unwrap_or_default()) };
-        let verdict = match (verdict(&error), error.overlap) {
-            (None, _) => String::new(),
-            (Some(verdict), 0.0) => format!(": {verdict}"),
-            (Some(verdict), _) => format!(", below {}: {verdict}", fixed(FAIR, 1)),
-        };
-        said.text(format!(
-            " Overlap with the true box (IoU) {}{verdict}. Centre error {} px.",
-            ratio(error.overlap),
-            px(error.center_px)
-        ))
+        match (error.as_ref(), sight(seen)) {
+            (Some(error), _) => match verdict(error) {
+                Some(verdict) => {
+                    let limit = if error.overlap == 0.0 { case::NO_OVERLAP } else { case::BELOW_FAIR };
+                    judged(step.say(case::OVERLAP), error).say(limit).say(verdict)
+                }
+                None => step.say(case::OVERLAP),
+            }
+            .say(case::CENTER_ERROR),
+            (None, Some(Sight::Hidden)) => step.say(case::FRAME_HIDDEN),
+            (None, Some(Sight::Absent)) => step.say(case::FRAME_ABSENT),
+            (None, Some(Sight::Seen(_)) | None) => step,
+        }
     }
 
-    /// Why the object is lost in a frame, as the rest of a sentence.
-    fn why(&self, seen: &Seen<Self>) -> String {
-        let why = Self::at_last(seen).and_then(|at| self.0.loss(&at));
-        why.map(|why| format!(": {why}")).unwrap_or_default()
-    }
-
-    /// What the result of a frame does not show, as a further sentence.
-    fn caveat(&self, seen: &Seen<Self>) -> String {
-        let caveat = Self::at_last(seen).and_then(|at| self.0.caveat(&at));
-        caveat.map(|caveat| format!(" {caveat}")).unwrap_or_default()
+    /// Adds what the tracker tells at its last event of the frame, if it has one.
+    fn with_last(seen: &Seen<Self>, step: Step, tell: impl FnOnce(&At<'_, T>, Step) -> Step) -> Step {
+        match Self::at_last(seen) {
+            Some(at) => tell(&at, step),
+            None => step,
+        }
     }
 
     /// The conclusion at the end of the run: the scores, what became of the region, and why.
-    fn concluded(
-        &self,
-        (seen, after): (&Seen<Self>, &State<T::Model>),
-        result: &RegionFrame,
-        said: Sentence,
-    ) -> Sentence {
+    fn concluded(&self, (seen, after): (&Seen<Self>, &State<T::Model>), result: &RegionFrame, step: Step) -> Step {
         let errors = errors(seen.clip, after);
         let ending = Ending::in_clip(&after.field(), seen.clip, &errors);
-        let said = match RegionScores::of(&errors) {
-            Some(of) => said.text(scored(&of, ending)),
-            None => said.text(format!(
-                "End of the run: the object is reported as lost in {} of {} frames.",
-                ending.reported,
-                after.past.len()
-            )),
+        let step = step.put(value::REPORTED, ending.reported).put(value::HIDDEN, ending.hidden);
+        let step = match RegionScores::of(&errors) {
+            Some(of) => scored(step, &of, ending),
+            None => step.put(value::FRAMES, after.past.len()).say(case::UNSCORED),
         };
         let last = errors.last().filter(|error| error.frame + 1 == after.frame);
-        let said = match last.and_then(verdict) {
+        let step = match last.and_then(|error| Some((error, verdict(error)?))) {
             _ if result.is_lost => {
-                said.text(" In the last frame it is ").ink(Role::Error, "lost").text(format!("{}.", self.why(seen)))
+                Self::with_last(seen, step.say(case::LAST_LOST), |at, step| self.0.tell_loss(at, step)).say(case::END)
             }
-            Some(verdict) => said.text(format!(" In the last frame {verdict}.")),
-            None => said.text(self.caveat(seen)),
+            Some((error, verdict)) => judged(step, error).say(case::LAST).say(verdict).say(case::END),
+            None => Self::with_last(seen, step, |at, step| self.0.tell_caveat(at, step)),
         };
-        let said = match self.0.settings().restart {
-            true => said.text(restarted(after)),
-            false => said.text(regained::<T>(after, &errors).unwrap_or_default()),
+        let step = match self.0.settings().restart {
+            true => restarted(after, step),
+            false => Self::regained((after, &errors), step),
         };
-        let said = said.text(content::told(seen.clip, &after.mask_field(), &errors).unwrap_or_default());
+        let step = content::tell(step, seen.clip, &after.mask_field(), &errors);
         let vanished = Vanished::of(&after.field(), seen.clip);
-        let said = said.text(vanished.as_ref().map_or_else(String::new, Vanished::sentence));
-        let at = Self::at_last(seen);
-        let said = said.text(
-            at.as_ref().and_then(|at| self.0.summary(at)).map(|summary| format!(" {summary}")).unwrap_or_default(),
-        );
+        let step = match &vanished {
+            Some(vanished) => vanished.tell(step),
+            None => step,
+        };
+        let step = Self::with_last(seen, step, |at, step| self.0.tell_summary(at, step));
         if ending.outcome == Outcome::Unknown {
-            return said.text(format!(
-                " Without true boxes, only the pictures show whether the region is on the object: {} has a high {} too.",
-                T::SIMILARITY.shared_by,
-                T::SIMILARITY.name
-            ));
+            return step.say(case::UNJUDGED);
         }
         // The last regions are off because there is little or nothing to see, whatever a tracker compares.
         let tells_cause = T::JUDGES_LOSS && ending.loss.is_some();
         if vanished.is_some() && !tells_cause && !matches!(ending.outcome, Outcome::Followed | Outcome::Regained) {
-            return said;
+            return step;
         }
-        let advice = at.map(|at| self.0.advice(ending, &at));
-        said.text(advice.map(|advice| format!(" {advice}")).unwrap_or_default())
+        Self::with_last(seen, step, |at, step| self.0.advise(ending, at, step))
     }
 
-    fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
-        let (state, Some(event)) = (seen.before, seen.events.last()) else { return Vec::new() };
-        let region = match event {
-            Event::Moved(result) => result.region,
-            _ => state.region,
-        };
-        let mut facts = vec![
-            Fact::new("Frame", state.frame.to_string(), None),
-            Fact::new("Region", format!("{} px, {}", place(region.center), extent(&region)), Some(Role::Reference)),
-        ];
-        let at = Self::at(seen);
-        facts.extend(at.iter().flat_map(|at| self.0.facts(at)));
-        if let Event::Moved(result) = event {
-            let value = fixed(result.similarity.into(), T::SIMILARITY.decimals);
-            facts.push(Fact::new(T::SIMILARITY.label, value, Some(Role::Estimate)));
-            if let Some(error) = error_of_last(seen) {
-                facts.push(Fact::new("Overlap (IoU)", ratio(error.overlap), Some(Role::Truth)));
-                facts.push(Fact::new("Centre error", format!("{} px", px(error.center_px)), Some(Role::Error)));
-            }
-        }
-        let mut readouts = vec![Readout::Facts(facts)];
-        readouts.extend(at.iter().flat_map(|at| self.0.readouts(at)));
-        let is_result = matches!(event, Event::Moved(_));
-        readouts.extend(self.histories(seen, is_result).into_iter().map(Readout::Series));
-        readouts
+    /// Tells at the end of a run of the region that was found again after its longest loss.
+    fn regained((after, errors): (&State<T::Model>, &[RegionError]), step: Step) -> Step {
+        let Some(regained) = Regained::longest(&after.past) else { return step };
+        let frame = after.span.first + regained.index;
+        // An object without a true box in the frame is hidden there.
+        let overlap = || errors.iter().find(|error| error.frame == frame).map_or(0.0, |error| error.overlap);
+        regained.conclude(step, Self::UNIT, (frame, (!errors.is_empty()).then(overlap)))
     }
 
     /// The similarity and the overlap over the frames; at the end of the run the success curve too.
@@ -258,10 +211,11 @@ impl<T: Explained> RegionTracking<T> {
         scene.work = model.and_then(|model| self.0.work(model)).map(|bounds| [bounds.min, bounds.max]);
         outline(scene, Role::Reference, state.region);
         scene.legend(Role::Reference, if is_first { "region of the object" } else { "region of frame t−1" });
-        if let Some(at) = Self::at(seen) {
+        let last = seen.events.last();
+        if let Some(at) = Self::at_last(seen).filter(|_| matches!(last, Some(Event::Own(_)))) {
             self.0.draw(&at, scene);
         }
-        let Some(Event::Moved(result)) = seen.events.last() else { return };
+        let Some(Event::Moved(result)) = last else { return };
         let (role, meaning) = if result.is_lost { (Role::Error, "object lost") } else { (Role::Estimate, "region") };
         outline(scene, role, result.region);
         scene.legend(role, meaning);
@@ -291,14 +245,10 @@ fn error_of_last<T: Explained>(seen: &Seen<RegionTracking<T>>) -> Option<RegionE
     after.field().error_of(seen.clip, after.past.len().checked_sub(1)?).ok().flatten()
 }
 
-/// Why a frame that has just ended is not scored: by the ground truth its object cannot be seen.
-fn unseen_here<T: Explained>(seen: &Seen<RegionTracking<T>>) -> Option<&'static str> {
+/// What the ground truth says of the object in the frame that has just ended.
+fn sight<T: Explained>(seen: &Seen<RegionTracking<T>>) -> Option<Sight> {
     let after = seen.after?;
-    match after.field().sight(seen.clip, after.past.len().checked_sub(1)?).ok()?? {
-        Sight::Seen(_) => None,
-        Sight::Hidden => Some(" By the ground truth the object is wholly hidden, so this frame is not scored."),
-        Sight::Absent => Some(" By the ground truth the object is not in the picture, so this frame is not scored."),
-    }
+    after.field().sight(seen.clip, after.past.len().checked_sub(1)?).ok().flatten()
 }
 
 /// An object that cannot be seen at the end of a run.
@@ -324,87 +274,72 @@ impl Vanished {
         Some(Self { from: last.last().map_or(gone, |(frame, _)| *frame), gone, sight })
     }
 
-    fn sentence(&self) -> String {
-        let Self { from, gone, sight } = self;
-        let fading = if from < gone { format!(" disappears from frame {from} on and") } else { String::new() };
-        let state = if *sight == Sight::Absent { "not in the picture" } else { "wholly hidden" };
-        format!(
-            " By the ground truth the object{fading} is {state} from frame {gone} on, where no tracker can see it and no frame is scored."
-        )
+    fn tell(&self, step: Step) -> Step {
+        let step = step.put(value::DISAPPEARING, self.from).put(value::GONE, self.gone).say(case::BY_TRUTH);
+        let is_absent = self.sight == Sight::Absent;
+        let step = step.say_if(self.from < self.gone, case::DISAPPEARS);
+        step.say(if is_absent { case::IS_ABSENT } else { case::IS_HIDDEN }).say(case::UNSEEN)
     }
 }
 
 /// What is wrong with a region that has an overlap below 0.5.
-fn verdict(error: &RegionError) -> Option<String> {
-    let larger = area_ratio(error);
+fn verdict(error: &RegionError) -> Option<&'static Case> {
     match error.overlap {
-        0.0 => Some("the region is not on the object".into()),
-        0.0..FAIR if larger >= GROWN => {
-            Some(format!("the region is {} times as large as the true box", fixed(larger, 1)))
-        }
-        0.0..FAIR => {
-            let covered = fixed(100.0 * covered(error), 0);
-            Some(format!("the region covers {covered} % of the true box"))
-        }
+        0.0 => Some(case::NOT_ON),
+        0.0..FAIR if area_ratio(error) >= GROWN => Some(case::TOO_LARGE),
+        0.0..FAIR => Some(case::COVERS),
         _ => None,
     }
 }
 
-/// What the end of a run says of the region that was found again after its longest loss.
-fn regained<T: Explained>(after: &State<T::Model>, errors: &[RegionError]) -> Option<String> {
-    let regained = Regained::longest(&after.past)?;
-    let frame = after.span.first + regained.index;
-    // An object without a true box in the frame is hidden there.
-    let overlap = || errors.iter().find(|error| error.frame == frame).map_or(0.0, |error| error.overlap);
-    regained.concluded(T::SIMILARITY, (frame, (!errors.is_empty()).then(overlap)))
+/// Puts the numbers of a verdict.
+fn judged(step: Step, error: &RegionError) -> Step {
+    let step = step.put(value::FAIR, FAIR).put(value::TIMES_AS_LARGE, area_ratio(error));
+    step.put(value::COVERED, 100.0 * covered(error))
 }
 
-/// The scores of a run in words.
-fn scored(of: &RegionScores, ending: Ending) -> String {
-    let said = format!(
-        "End of the run over {}: mean overlap {}, success (AUC) {}, precision at {} px {}, {}",
-        counted(of.frames, "frame"),
-        ratio(of.overlap),
-        ratio(of.success),
-        fixed(NEAR_PX, 0),
-        ratio(of.precision),
-        counted(of.failures, "failure"),
-    );
-    said + &match (of.failures, ending.reported) {
-        (0, 0) => ".".into(),
-        (_, 0) => ", no loss reported.".into(),
-        (_, lost) => format!(", a loss reported in {}.", counted(lost, "frame")),
-    }
+/// The scores of a run.
+fn scored(step: Step, of: &RegionScores, ending: Ending) -> Step {
+    let step = step.put(value::FRAMES, of.frames).put(value::MEAN_OVERLAP, of.overlap).put(value::SUCCESS, of.success);
+    let step = step.put(value::NEAR, NEAR_PX).put(value::PRECISION, of.precision).put(value::FAILURES, of.failures);
+    step.say(case::SCORED).say(match (of.failures, ending.reported) {
+        (0, 0) => case::END,
+        (_, 0) => case::NO_LOSS,
+        (_, _) => case::LOSSES,
+    })
 }
 
-fn chosen<M>(state: &State<M>, said: Sentence) -> Sentence {
+/// Whether the angle of a region is more than none in whole degrees.
+fn is_turned(region: &Region) -> bool {
+    region.angle_rad.to_degrees().abs() > 0.5
+}
+
+/// Adds the place, the size and the angle of a region, in the colour of `role`.
+fn placed(step: Step, region: &Region, role: Role) -> Step {
+    let [width, height] = region.size;
+    let step = step.put(value::WIDTH, width).put(value::HEIGHT, height);
+    let step = step.put(value::ANGLE, region.angle_rad.to_degrees());
+    let told = if is_turned(region) { case::REGION_TURNED } else { case::REGION };
+    step.fact_as(value::PLACE.is(region.center).inked(role), told)
+}
+
+fn chosen<M>(state: &State<M>, step: Step) -> Step {
     if !state.past.is_empty() {
-        return said
-            .ink(Role::Reference, format!("Restart {}", state.restarts.count + 1))
-            .text(format!(": in frame {} the region is the true box, and the object is learnt again.", state.frame));
+        return step.put(value::RESTART, state.restarts.count + 1).say(case::RESTARTS);
     }
-    let Region { center, size: extent, .. } = state.region;
-    let said = said.ink(Role::Reference, format!("Region of {}", size(extent))).text(format!(
-        " around {} px in frame {}, ",
-        place(center),
-        state.frame
-    ));
-    match state.chosen.origin {
-        Origin::Placed => said.text("as placed on the frame."),
-        Origin::Truth => said.text("the box of a true object. Place another region to track something else."),
-        Origin::Middle => said.text(
-            "in the middle of the frame, because no region is placed and no true object is known. Place the region on an object.",
-        ),
-    }
+    step.say(case::CHOSEN).say(match state.chosen.origin {
+        Origin::Placed => case::PLACED,
+        Origin::Truth => case::OF_TRUTH,
+        Origin::Middle => case::IN_MIDDLE,
+    })
 }
 
-/// The number of restarts, as a further sentence of the end.
-fn restarted<M>(state: &State<M>) -> String {
+/// The number of restarts at the end of a run.
+fn restarted<M>(state: &State<M>, step: Step) -> Step {
     match state.restarts.count {
-        0 => String::new(),
-        count => {
-            format!(" The tracker was restarted {}.", if count == 1 { "once".into() } else { counted(count, "time") })
-        }
+        0 => step,
+        1 => step.say(case::RESTARTED_ONCE),
+        count => step.put(value::RESTARTS, count).say(case::RESTARTED),
     }
 }
 

@@ -10,6 +10,7 @@ mod explain;
 pub(crate) mod plots;
 mod regained;
 mod start;
+pub(crate) mod vocabulary;
 
 use std::sync::Arc;
 
@@ -17,8 +18,8 @@ pub use ending::{Ending, Loss, Outcome};
 pub use start::Settings;
 use start::{Chosen, Restarts, choose};
 pub(crate) use start::{LOST, WHERE, line};
+use vocabulary::case;
 
-use crate::base::words::counted;
 use crate::base::{Error, Mapped, Observer};
 use crate::data::{Clip, Frame, PackedMask, Pose};
 use crate::geometry::Bounds;
@@ -73,6 +74,11 @@ pub trait RegionModel: Params + Default + Clone + Send + Sync + 'static {
     }
 
     /// Why a region of the first frame cannot be tracked, as a sentence with its number, if it cannot.
+    fn refuse(&self, frame: &Frame, region: Region) -> Option<Sentence> {
+        self.refusal(frame, region).map(|why| Sentence::default().text(why))
+    }
+
+    /// [`RegionModel::refuse`] of a tracker whose steps are not yet data.
     fn refusal(&self, _frame: &Frame, _region: Region) -> Option<String> {
         None
     }
@@ -119,14 +125,14 @@ pub trait Explained: RegionModel {
     /// Whether the advice at the end of a run judges the start of a loss by the visibility of the object.
     const JUDGES_LOSS: bool = false;
 
-    /// What happened, and why.
-    fn sentence(&self, at: &At<'_, Self>) -> Sentence;
-
-    /// The numbers of the step.
-    fn facts(&self, at: &At<'_, Self>) -> Vec<Fact>;
-
-    /// The formula and the charts of the step.
-    fn readouts(&self, at: &At<'_, Self>) -> Vec<Readout>;
+    /// Adds the values, the sentence, the formula and the charts of an event to a step at its line.
+    fn step(&self, at: &At<'_, Self>, step: Step) -> Step {
+        let mut step = step.tell(self.sentence(at));
+        if let Some(Readout::Facts(facts)) = step.readouts.first_mut() {
+            facts.extend(self.facts(at));
+        }
+        step.show_all(self.readouts(at))
+    }
 
     /// Draws the step over frame t.
     fn draw(&self, at: &At<'_, Self>, scene: &mut Scene);
@@ -139,33 +145,84 @@ pub trait Explained: RegionModel {
         None
     }
 
-    /// The first sentence of a run.
-    fn opening(&self) -> String {
-        let frames = counted(self.settings().frames, "frame");
-        format!(
-            "{} learns an object from its region in the first frame, and finds it in at most {frames}.",
-            Self::INFO.name
-        )
+    /// Tells the first sentence of a run.
+    fn open(&self, step: Step) -> Step {
+        match self.opening() {
+            opening if opening.is_empty() => step.say(case::OPENING),
+            opening => told(step, "", Some(opening)),
+        }
     }
 
-    /// Why the object is lost in a frame, at the tracker's last event, as a clause.
+    /// Tells why the object is lost in a frame, at the tracker's last event: a clause that begins with a colon.
+    fn tell_loss(&self, at: &At<'_, Self>, step: Step) -> Step {
+        told(step, ": ", self.loss(at))
+    }
+
+    /// Tells what all frames of a run show beyond their regions, at the tracker's last event, as a further sentence of its end.
+    fn tell_summary(&self, at: &At<'_, Self>, step: Step) -> Step {
+        told(step, " ", self.summary(at))
+    }
+
+    /// Tells what the result of a frame that did not lose the object does not show, at the tracker's last event, as a sentence.
+    fn tell_caveat(&self, at: &At<'_, Self>, step: Step) -> Step {
+        told(step, " ", self.caveat(at))
+    }
+
+    /// Tells the lesson of a run at the last event of its tracker: why it ended so, and what would help. The outcome is never
+    /// [`Outcome::Unknown`].
+    fn advise(&self, ending: Ending, at: &At<'_, Self>, step: Step) -> Step {
+        told(step, " ", Some(self.advice(ending, at)))
+    }
+
+    // The explanation of trackers whose steps are not yet data; the methods above replace these.
+
+    /// The sentence of [`Explained::step`].
+    fn sentence(&self, _at: &At<'_, Self>) -> Sentence {
+        Sentence::default()
+    }
+
+    /// The facts of [`Explained::step`].
+    fn facts(&self, _at: &At<'_, Self>) -> Vec<Fact> {
+        Vec::new()
+    }
+
+    /// The formula and the charts of [`Explained::step`].
+    fn readouts(&self, _at: &At<'_, Self>) -> Vec<Readout> {
+        Vec::new()
+    }
+
+    /// The text of [`Explained::open`].
+    fn opening(&self) -> String {
+        String::new()
+    }
+
+    /// The text of [`Explained::tell_loss`].
     fn loss(&self, _at: &At<'_, Self>) -> Option<String> {
         None
     }
 
-    /// What all frames of a run show beyond their regions, at the tracker's last event, as a further sentence of its end.
+    /// The text of [`Explained::tell_summary`].
     fn summary(&self, _at: &At<'_, Self>) -> Option<String> {
         None
     }
 
-    /// What the result of a frame that did not lose the object does not show, at the tracker's last event, as a sentence.
+    /// The text of [`Explained::tell_caveat`].
     fn caveat(&self, _at: &At<'_, Self>) -> Option<String> {
         None
     }
 
-    /// The lesson of a run at the last event of its tracker: why it ended so, and what would help. The outcome is never
-    /// [`Outcome::Unknown`].
-    fn advice(&self, ending: Ending, at: &At<'_, Self>) -> String;
+    /// The text of [`Explained::advise`].
+    fn advice(&self, _ending: Ending, _at: &At<'_, Self>) -> String {
+        String::new()
+    }
+}
+
+/// Tells a text behind `lead`, of a tracker whose steps are not yet data.
+fn told(step: Step, lead: &str, text: Option<String>) -> Step {
+    match text {
+        Some(text) => step.tell(Sentence::default().text(format!("{lead}{text}"))),
+        None => step,
+    }
 }
 
 /// The run at an event of a tracker.
@@ -199,7 +256,7 @@ pub struct State<M> {
     picture: (usize, usize),
     chosen: Arc<Chosen>,
     /// Why the region cannot be tracked, if it cannot: the run ends with the first frame.
-    refusal: Option<Arc<str>>,
+    refusal: Option<Arc<Sentence>>,
     /// The model, from the first frame on.
     model: Option<Arc<M>>,
     /// The region of the last frame.
@@ -284,7 +341,7 @@ impl<T: Explained> Estimator for RegionTracking<T> {
         let span = Span::new(clip, frame, settings.frames)?;
         let first = clip.frame(frame)?;
         let chosen = choose(self.0.placed(clip.size())?, clip, frame)?;
-        let refusal = self.0.refusal(&first, chosen.region).map(Arc::from);
+        let refusal = self.0.refuse(&first, chosen.region).map(Arc::new);
         let span = if refusal.is_some() { span.until(frame + 1) } else { span };
         Ok(State {
             span,
@@ -310,7 +367,7 @@ impl<T: Explained> Estimator for RegionTracking<T> {
         need::check_kept(clip, self.state_bytes(state))?;
         let frame = clip.frame(state.frame)?;
         if let Some(region) = state.restarts.region(state.chosen.object, (clip, state.frame))?
-            && self.0.refusal(&frame, region).is_none()
+            && self.0.refuse(&frame, region).is_none()
         {
             state.region = region;
             state.restarts = Restarts { waits_until: None, count: state.restarts.count + 1 };

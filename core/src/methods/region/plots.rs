@@ -1,8 +1,9 @@
 //! Plots of trackers of a region: histograms, curves, and marks that several of them draw.
 
 use super::color::Histogram;
+use super::vocabulary::{case, value};
 use crate::products::Region;
-use crate::scene::{Picture, Role, Scene, Sentence, Series, Shape};
+use crate::scene::{Picture, Role, Scene, Sentence, Series, Shape, Step};
 
 /// The most bars of a histogram: more cannot be told apart.
 pub(crate) const BARS: usize = 32;
@@ -42,11 +43,13 @@ pub(crate) fn ellipse(scene: &mut Scene, (role, meaning): (Role, &'static str), 
     scene.legend(role, meaning);
 }
 
-/// Adds a warning to the sentence about a model if the region is flat, all of it in one bin.
+/// Puts the colour space and the number of bins of a histogram.
+pub(crate) fn put_bins(step: Step, of: &Histogram) -> Step {
+    let step = step.put(value::BINNING, of.binning.name()).put(value::FILLED, of.support.len());
+    step.put(value::BINS, of.binning.count())
+}
+
+/// [`case::FLAT`], of a tracker whose steps are not yet data.
 pub(crate) fn warned(said: Sentence, model: &Histogram) -> Sentence {
-    if model.support.len() == 1 {
-        said.text(" A flat region in one bin stands out only where its surroundings have other bins.")
-    } else {
-        said
-    }
+    if model.is_flat() { said.say(case::FLAT, &[]) } else { said }
 }

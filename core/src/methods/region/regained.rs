@@ -1,9 +1,8 @@
 //! A region that is found again after a loss, reported or not: the colours or the pattern of another object may have been found.
 
-use super::Similarity;
-use crate::base::words::{capital, counted, fixed};
-use crate::methods::numbers::px;
+use super::vocabulary::{case, value};
 use crate::products::RegionFrame;
+use crate::scene::{Case, Step, Unit};
 
 /// Below this share of the similarity in the first frame the object is lost, whatever the tracker reports.
 const GONE: f32 = 0.25;
@@ -42,49 +41,36 @@ impl Regained {
         all.max_by_key(|regained| regained.lost)
     }
 
-    /// The loss, as a part of a sentence.
-    fn loss(&self) -> String {
-        let unreported = if self.reported == 0 { " that is not reported" } else { "" };
-        format!("after a loss of {}{unreported}", counted(self.lost, "frame"))
+    /// Tells it of its own frame; `is_known` where the truth tells which object was found.
+    pub fn tell(&self, step: Step, unit: Unit, is_known: bool) -> Step {
+        let case = if self.reported == 0 { case::REGAINED_UNREPORTED } else { case::REGAINED };
+        self.compare(step, unit, case).say_if(!is_known, case::DOUBTFUL)
     }
 
-    /// The distance and both similarities, as the rest of a sentence.
-    fn compared(&self, of: Similarity) -> String {
-        let [before, now] = self.similarities.map(|value| fixed(value.into(), of.decimals));
-        format!(
-            "{} px from its position before the loss, with a {} of {now} against {before} then",
-            px(self.distance_px.into()),
-            of.name
-        )
-    }
-
-    /// The result of its frame, as a further sentence; `is_known` where the truth tells which object it is.
-    pub fn told(&self, of: Similarity, is_known: bool) -> String {
-        let said = format!(" {} the region is found again {}.", capital(&self.loss()), self.compared(of));
-        said + &if is_known { String::new() } else { doubt(of) }
-    }
-
-    /// What the end of the run says of it in frame `frame`, whose overlap with the true box is `overlap` where it is known; nothing of a region on
-    /// the object.
-    pub fn concluded(&self, of: Similarity, (frame, overlap): (usize, Option<f64>)) -> Option<String> {
+    /// Tells it of frame `frame` at the end of the run, where `overlap` is that with the true box if it is known; nothing of a region on the
+    /// object.
+    pub fn conclude(&self, step: Step, unit: Unit, (frame, overlap): (usize, Option<f64>)) -> Step {
         let verdict = match overlap {
-            None => doubt(of),
-            Some(0.0) => {
-                " Its overlap with the true box there is 0, so another object or the background was found.".into()
-            }
-            Some(_) => return None,
+            None => case::DOUBTFUL,
+            Some(0.0) => case::ON_ANOTHER,
+            Some(_) => return step,
         };
-        Some(format!(" In frame {frame}, {}, the region was found again {}.{verdict}", self.loss(), self.compared(of)))
+        let case = if self.reported == 0 { case::WAS_REGAINED_UNREPORTED } else { case::WAS_REGAINED };
+        self.compare(step.put(value::FRAME_AFTER, frame), unit, case).say(verdict)
     }
-}
 
-/// Why the similarity does not tell which object was found.
-fn doubt(of: Similarity) -> String {
-    format!(" {} has a high {} too, so this may be another object.", capital(of.shared_by), of.name)
+    /// Tells the loss by `case`, the distance, and both similarities in their unit.
+    fn compare(&self, step: Step, unit: Unit, case: &'static Case) -> Step {
+        let [before, after] = self.similarities;
+        let step = step.put(value::LOST_FRAMES, self.lost).put(value::DISTANCE, self.distance_px);
+        let step = step.put_value(value::SIMILARITY_BEFORE.is(before).in_unit(unit));
+        step.put_value(value::SIMILARITY_AFTER.is(after).in_unit(unit)).say(case).say(case::AFTER_LOSS)
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::line;
     use super::*;
     use crate::products::Region;
 
@@ -114,7 +100,8 @@ mod tests {
         let all = frames(&[40.0, 40.0, 9.0, 8.0, 30.0]);
         let found = Regained::longest(&all).expect("a loss that ends");
         assert_eq!((found.index, found.lost, found.reported), (4, 2, 0));
-        assert!(found.loss().ends_with("2 frames that is not reported"), "{}", found.loss());
+        let step = found.tell(Step::at(line::MOVE), Unit::RATIO, true);
+        assert!(step.is(case::REGAINED_UNREPORTED) && step.real(value::LOST_FRAMES) == 2.0, "{step:?}");
         assert_eq!(Regained::longest(&frames(&[40.0, 40.0, 11.0, 40.0])), None, "not below a quarter");
     }
 

@@ -1,5 +1,6 @@
 //! The region that is tracked: as placed, that of a true object, or the middle of the frame.
 
+use super::vocabulary::case;
 use crate::base::Error;
 use crate::data::{Clip, ObjectBox};
 use crate::geometry::Bounds;
@@ -36,7 +37,8 @@ pub(crate) const LOST: Question = Question::choice(
     "lost",
     "Does the tracker report that the object is lost?",
     &[
-        Reply::says(line::MOVE, "the object is lost", "Yes: its match is too poor"),
+        Reply::told(line::MOVE, case::LOST, "Yes: its match is too poor"),
+        Reply::told(line::MOVE, case::LAST_LOST, "Yes: its match is too poor"),
         Reply::at(line::MOVE, "No: the region moves"),
     ],
 )
