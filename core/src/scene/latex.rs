@@ -77,6 +77,7 @@ const UPRIGHT: &[(&str, &str)] = &[
 /// Signs between two terms.
 const BETWEEN: &[(&str, &str)] = &[
     ("cdot", "·"),
+    ("circ", "∘"),
     ("times", "×"),
     ("le", "≤"),
     ("leq", "≤"),

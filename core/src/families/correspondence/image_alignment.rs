@@ -14,7 +14,9 @@ use crate::products::model::{IDENTITY, Matrix3};
 use crate::products::{Model, ModelField, Output, Product, ProductKind};
 use crate::pseudocode;
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Progress, Seen};
-use crate::scene::{Chart, Question, Reading, Reply, Scene, Step};
+use crate::scene::{Chart, Question, Reply, Scene, Step};
+
+use explain::{case, value};
 
 params! {
     /// Image alignment.
@@ -83,7 +85,7 @@ pub struct State {
 }
 
 /// The outcome of a step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stage {
     /// The steepest-descent images.
     SteepestDescent,
@@ -95,16 +97,21 @@ pub enum Stage {
     Warp,
     /// A warp that leaves the picture.
     Diverged,
-    /// A larger error than before the last update.
-    Worse,
+    /// A larger error than the one before the last update.
+    Worse {
+        /// That error, in gray levels.
+        before: f64,
+    },
     /// The right-hand side and the increment.
     Solve,
     /// Pixels inside frame t + 1 that determine no increment.
     Undetermined,
     /// The new warp.
     Update,
-    /// The last warp of a level.
+    /// The warp of a small increment, the last of a level.
     Converged,
+    /// The warp of the last iteration of a level.
+    Exhausted,
 }
 
 /// A step with the state after it.
@@ -194,8 +201,8 @@ impl ImageAlignment {
         let compared = Arc::new(compared);
         state.compared = Some(Arc::clone(&compared));
         report(Stage::Warp, state);
-        if is_diverged || state.previous_error().is_some_and(|previous| rms > previous) {
-            let stage = if is_diverged { Stage::Diverged } else { Stage::Worse };
+        let worse = state.previous_error().filter(|before| rms > *before).map(|before| Stage::Worse { before });
+        if let Some(stage) = is_diverged.then_some(Stage::Diverged).or(worse) {
             state.failed += usize::from(is_diverged);
             state.matrix = state.before;
             report(stage, state);
@@ -211,9 +218,13 @@ impl ImageAlignment {
         report(Stage::Solve, state);
         (state.before, state.matrix) = (state.matrix, on_picture(&updated, state.level));
         state.updates += 1;
-        let is_last = increment.moved_px <= f64::from(self.epsilon) || state.iteration + 1 == self.iterations;
-        report(if is_last { Stage::Converged } else { Stage::Update }, state);
-        if is_last { Self::next_level(state) } else { state.iteration += 1 }
+        let stage = match state.iteration + 1 == self.iterations {
+            _ if increment.moved_px <= f64::from(self.epsilon) => Stage::Converged,
+            true => Stage::Exhausted,
+            false => Stage::Update,
+        };
+        report(stage, state);
+        if stage == Stage::Update { state.iteration += 1 } else { Self::next_level(state) }
     }
 }
 
@@ -248,21 +259,12 @@ impl Estimator for ImageAlignment {
             "How does the iteration end?",
             &[
                 Reply::at(line::UPDATE, "Another iteration follows"),
-                Reply::says(line::UNTIL_CONVERGED, "has converged", "Converged"),
-                Reply::says(line::UNTIL_CONVERGED, "iterations are done", "The iterations are done"),
+                Reply::told(line::UNTIL_CONVERGED, case::CONVERGED, "Converged"),
+                Reply::told(line::UNTIL_CONVERGED, case::EXHAUSTED, "The iterations are done"),
                 Reply::at(line::STEP_BACK, "The step is undone"),
             ],
         ),
-        Question::number(
-            "rms",
-            "How large is the RMS difference after the warp?",
-            Reading {
-                line: line::WARP,
-                after: "leaves an RMS difference of ",
-                before: " gray levels",
-                unit: "gray levels",
-            },
-        ),
+        Question::value("rms", "How large is the RMS difference after the warp?", line::WARP, value::RMS),
     ];
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 3 };
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Matrices, Chart::Series];

@@ -1,272 +1,213 @@
 //! The explanation and the drawing of image alignment.
 
 use super::{Event, ImageAlignment, Stage, State, line};
-use crate::base::words::{counted, fixed, percent};
 use crate::geometry::Grid;
 use crate::methods::alignment::explain::{hessian, parameters, warp_matrix};
 use crate::methods::alignment::{self, difference, places, rank};
-use crate::methods::differential::numbers;
 use crate::products::Model;
 use crate::products::metrics;
-use crate::products::model::{Matrix3, mapped};
+use crate::products::model::{IDENTITY, Matrix3, mapped};
 use crate::run::Seen;
-use crate::scene::{Fact, Math, Matrix, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step, Tile};
-
-fn px(length: f64) -> String {
-    format!("{} px", fixed(length, 3))
-}
-
-fn gray(value: f64) -> String {
-    format!("{} gray levels", fixed(value, 2))
-}
+use crate::scene::{Decimals, Matrix, Name, Picture, Readout, Role, Scene, Series, Shape, Step, Tile, Unit};
+use crate::{cases, variables};
 
 /// Mean endpoint error in px from which on an alignment is called wrong.
 const WRONG_PX: f64 = 0.5;
 
+variables! { pub(super) mod value;
+    /// The group of transformations that the warp belongs to.
+    MODEL: "Model", "", Unit::WHOLE;
+    /// The number of parameters of the warp.
+    PARAMETERS: "Parameters", "", Unit::count("parameter");
+    /// The number of pyramid levels.
+    LEVELS: "Levels", "", Unit::count("level");
+    /// The pyramid level; level 0 has the full resolution.
+    LEVEL: "Level", "", Unit::WHOLE;
+    /// The number of iterations so far.
+    ITERATIONS: "Iterations", "", Unit::count("");
+    /// The largest number of iterations on a level.
+    MAX_ITERATIONS: "Largest number of iterations", "", Unit::count("iteration");
+    /// The root mean square difference of frame t and the warped frame t+1.
+    RMS: "Error (RMS)", r"\text{RMS}", Unit::GRAY, Role::Error;
+    /// The RMS difference before the last update.
+    RMS_BEFORE: "Error before", "", Unit::GRAY;
+    /// The RMS difference of the frames as they are.
+    RMS_AT_REST: "Error without motion", "", Unit::GRAY;
+    /// The RMS difference of the frames under the final warp.
+    RMS_ALIGNED: "Error of the alignment", "", Unit::GRAY;
+    /// The share of the pixels that the warp keeps inside frame t+1.
+    OVERLAP: "Overlap", "", Unit::PERCENT;
+    /// The overlap below which the alignment has diverged.
+    MIN_OVERLAP: "Smallest overlap", "", Unit { name: "%", decimals: Decimals::AtMost(4) };
+    /// The farthest motion of a corner of the picture by the increment.
+    MOVED: "Largest corner motion", "", Unit::SUBPIXEL, Role::Estimate;
+    /// The corner motion from which on the iterations go on.
+    EPSILON: "Stopping criterion", r"\epsilon", Unit::SUBPIXEL;
+    /// The rank of the Hessian.
+    RANK: "Rank", "", Unit::WHOLE;
+    /// The displacement of the centre of the picture by the final warp.
+    CENTER_MOTION: "Motion of the centre", "", Unit::SUBPIXEL, Role::Result;
+    /// The mean endpoint error over all pixels.
+    ENDPOINT_ERROR: "Mean endpoint error", "", Unit::SUBPIXEL;
+}
+
+cases! { pub(super) over value;
+    OPENING: "Image alignment fits one warp ({model}) to all gray levels, from the coarsest of {levels} to full resolution.",
+    STEEPEST_DESCENT: "Level {level}: the steepest-descent images show how each pixel of frame t changes with each of the {parameters}. They \
+                       belong to the fixed frame t, so they are computed once for all iterations of the level.",
+    HESSIAN: "The Hessian, in the Gauss–Newton approximation, holds the sums of products of the {parameters:bare} steepest-descent images. It is \
+              invertible: the texture determines all parameters.",
+    SINGULAR: "The Hessian is {rejected|singular}: it has rank {rank}, and {parameters} need rank {parameters:bare}. The texture of level {level} \
+               does not determine all of them; a model with fewer degrees of freedom may still fit.",
+    WARPED: "Warping frame t+1 toward frame t leaves an RMS difference of {rms} over the {overlap} of the pixels that stay inside the frame.",
+    DIVERGED: "The warp keeps {overlap} of the pixels inside the frame, below the minimum of {min_overlap}: the alignment has {rejected|diverged}, \
+               and the last update is undone.",
+    STALLED: "The error no longer falls; it stays at {rms}: ",
+    WORSE: "The error has risen from {rms_before:bare} to {rms}: ",
+    UNDONE: "{rejected|the last update is undone}, and the level ends with the warp before it.",
+    SOLVED: "Solving H Δp = b gives the increment. Its warp moves the corners by at most {moved}.",
+    PARTIAL: "H and b are the sums over the {overlap} of the pixels that the warp keeps inside the frame.",
+    UNDETERMINED: "The {overlap} of the pixels inside the frame have a {rejected|singular Hessian} of rank {rank}, and {parameters} need rank \
+                   {parameters:bare}: their texture does not determine the increment, and the level ends with the present warp.",
+    UPDATED: "The increment is applied to frame t, so its inverse is composed with the warp of frame t+1. It moved a corner by {moved}, more than ε = \
+              {epsilon}: another iteration.",
+    CONVERGED: "The increment moves the corners by at most {moved} ≤ ε = {epsilon}: level {level} has converged.",
+    EXHAUSTED: "The increment still moves a corner by {moved}, but {max_iterations} are done: level {level} ends.",
+    NO_TEXTURE: "End of the run: no level has texture for {parameters}; on level {level} it determines {rank}, so the motion of the picture remains \
+                 unknown.",
+    NO_UPDATE: "End of the run: no level has found an update, so the motion of the picture remains unknown.",
+    ALIGNED: "End of the run after {iterations} iterations: the centre of the picture moves by {center_motion}. The RMS difference has gone from \
+              {rms_at_rest:bare} to {rms_aligned}.",
+    AGAINST_TRUTH: "Mean endpoint error over all pixels: {endpoint_error}.",
+    SOME_FAILED: "Some levels found no alignment: fewer degrees of freedom or fewer levels would help.",
+    UNEXPLAINED: "The residual stays large: parallax, moving objects or a change of light, which no single warp explains, or a motion too large for \
+                  the coarsest level, for which more levels would help.",
+    TOO_RIGID: "The residual stays large: a model with more degrees of freedom, or more levels for larger motion, would help.",
+    PULLED_AWAY: "The squared differences of objects with another motion pulled the warp away from the true one. Global motion leaves such matches \
+                  out as outliers.",
+    EXPLAINED: "One warp explains the motion; the places that still differ move on their own or are new.",
+    MODEL: "{model}, {parameters}",
+}
+
 impl ImageAlignment {
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
+        let model = value::MODEL.is(self.model.label().to_lowercase());
         let Some(Event { stage, state }) = seen.events.last() else {
-            let levels = seen.before.fixed.levels.len();
-            let said = format!(
-                "Image alignment fits one warp ({}) to all gray levels, from the coarsest of {levels} levels to full resolution.",
-                self.model.label().to_lowercase()
-            );
-            return Step {
-                values: Vec::new(),
-                line: line::START,
-                sentence: Sentence::default().text(said),
-                readouts: Vec::new(),
-            };
+            let step = Step::at(line::START).put_value(model).put(value::LEVELS, seen.before.fixed.levels.len());
+            return step.say(case::OPENING);
         };
-        let line = match stage {
-            Stage::SteepestDescent => line::STEEPEST_DESCENT,
-            Stage::Hessian | Stage::Singular => line::HESSIAN,
-            Stage::Warp => line::WARP,
-            Stage::Diverged | Stage::Worse => line::STEP_BACK,
-            Stage::Solve | Stage::Undetermined => line::SOLVE,
-            Stage::Update => line::UPDATE,
-            Stage::Converged => line::UNTIL_CONVERGED,
+        let at = |line| {
+            let step = Step::at(line).put(value::PARAMETERS, self.model.freedom());
+            Self::progress(step.fact_as(model.clone(), case::MODEL), state)
         };
-        let sentence = self.sentence(*stage, state, Sentence::default());
-        let sentence = match seen.after.filter(|after| after.is_over) {
-            Some(after) if seen.events.last().is_some_and(|event| event.state.level == 0) => {
-                self.concluded(after, sentence)
-            }
-            _ => sentence,
+        let step = self.told(*stage, state, at);
+        let step = match seen.after.filter(|after| after.is_over && state.level == 0) {
+            Some(after) => self.concluded(step, after),
+            None => step,
         };
-        Step { values: Vec::new(), line, sentence, readouts: self.readouts(*stage, state) }
+        self.charted(step, *stage, state)
     }
 
-    fn sentence(&self, stage: Stage, state: &State, said: Sentence) -> Sentence {
-        let compared = state.compared.as_deref();
-        let (rms, overlap) = compared.map_or((0.0, 0.0), |compared| (compared.rms, compared.overlap));
-        let moved = state.increment.as_ref().map_or(0.0, |increment| increment.moved_px);
-        let count = self.model.freedom();
+    /// Adds the level, the iterations and, once they are known, error and increment.
+    fn progress(step: Step, state: &State) -> Step {
+        let compared = state.compared.as_ref();
+        let step = step.fact(value::LEVEL, state.level).fact(value::ITERATIONS, state.errors.len());
+        let step = step.fact_if(value::RMS, compared.map(|compared| compared.rms));
+        let step = step.fact_if(value::OVERLAP, compared.map(|compared| 100.0 * compared.overlap));
+        step.fact_if(value::MOVED, state.increment.as_ref().map(|increment| increment.moved_px))
+    }
+
+    fn told(&self, stage: Stage, state: &State, at: impl Fn(Name) -> Step) -> Step {
+        let rank = |hessian: &[f64]| rank(hessian, self.model.freedom());
+        const RMS: &str = r"\text{RMS} = \sqrt{\frac{1}{N} \sum_x (I(W(x)) - T(x))^2} = {rms:unit}";
+        const INCREMENT: &str = r"\mathbf{H} \, \Delta p = \mathbf{b} = \sum_x \mathbf{D}^\top (I(W(x)) - T(x))";
+        const HESSIAN: &str = r"\mathbf{H} = \sum_x \mathbf{D}^\top \mathbf{D}";
+        const UPDATE: &str = r"W \gets W \circ W(\Delta p)^{-1}";
         match stage {
-            Stage::SteepestDescent => said.text(format!(
-                "Level {}: the steepest-descent images show how each pixel of frame t changes with each of the {count} parameters. \
-                 They belong to the fixed frame t, so they are computed once for all iterations of the level.",
-                state.level
-            )),
-            Stage::Hessian => said.text(format!(
-                "The Hessian, in the Gauss–Newton approximation, holds the sums of products of the {count} steepest-descent \
-                 images. It is invertible: the texture determines all parameters."
-            )),
-            Stage::Singular => said
-                .text("The Hessian is ")
-                .ink(Role::Rejected, "singular")
-                .text(format!(
-                    ": it has rank {}, and {count} parameters need rank {count}. The texture of level {} does not determine all of them; a model \
-                     with fewer degrees of freedom may still fit.",
-                    rank(&state.hessian, count),
-                    state.level
-                )),
-            Stage::Warp => said
-                .text("Warping frame t+1 toward frame t leaves an RMS difference of ")
-                .ink(Role::Error, gray(rms))
-                .text(format!(" over the {} of the pixels that stay inside the frame.", percent(rounded(overlap)))),
-            Stage::Diverged => said
-                .text(format!(
-                    "The warp keeps {} of the pixels inside the frame, below the minimum of {}: the alignment has ",
-                    percent(rounded(overlap)),
-                    percent(self.min_overlap)
-                ))
-                .ink(Role::Rejected, "diverged")
-                .text(", and the last update is undone."),
-            Stage::Worse => {
-                let previous = fixed(state.previous_error().unwrap_or(rms), 2);
-                let told = match previous == fixed(rms, 2) {
-                    true => format!("The error no longer falls; it stays at {}: ", gray(rms)),
-                    false => format!("The error has risen from {previous} to {}: ", gray(rms)),
+            Stage::SteepestDescent => {
+                let images = match self.model {
+                    Model::Translation => r"(T_x, T_y)",
+                    Model::Rigid => r"(T_y \, x - T_x \, y, T_x, T_y)",
+                    Model::Similarity => r"(T_x \, x + T_y \, y, T_y \, x - T_x \, y, T_x, T_y)",
+                    Model::Affine => r"(T_x \, x, T_x \, y, T_x, T_y \, x, T_y \, y, T_y)",
+                    Model::Homography => {
+                        r"(T_x \, x, T_x \, y, T_x, T_y \, x, T_y \, y, T_y, -(T_x \, x + T_y \, y) \, x, -(T_x \, x + T_y \, y) \, y)"
+                    }
                 };
-                said.text(told).ink(Role::Rejected, "the last update is undone")
-                    .text(", and the level ends with the warp before it.")
+                let definition = r"\mathbf{D} = \nabla T \cdot \frac{\partial W}{\partial p} = ";
+                at(line::STEEPEST_DESCENT).say(case::STEEPEST_DESCENT).formula(definition.to_owned() + images)
             }
-            Stage::Solve => said
-                .text("Solving H Δp = b gives the increment. Its warp moves the corners by at most ")
-                .ink(Role::Estimate, px(moved))
-                .text(match overlap < 1.0 {
-                    true => format!(
-                        ". H and b are the sums over the {} of the pixels that the warp keeps inside the frame.",
-                        percent(rounded(overlap))
-                    ),
-                    false => ".".to_owned(),
-                }),
-            Stage::Undetermined => said
-                .text(format!("The {} of the pixels inside the frame have a ", percent(rounded(overlap))))
-                .ink(Role::Rejected, "singular Hessian")
-                .text(format!(
-                    " of rank {}, and {count} parameters need rank {count}: their texture does not determine the increment, and the level ends \
-                     with the present warp.",
-                    compared.map_or(0, |compared| rank(&compared.hessian, count))
-                )),
-            Stage::Update => said.text(format!(
-                "The increment is applied to frame t, so its inverse is composed with the warp of frame t+1. It moved a corner by \
-                 {}, more than ε = {}: another iteration.",
-                px(moved),
-                px(self.epsilon.into())
-            )),
-            Stage::Converged if moved <= f64::from(self.epsilon) => said.text(format!(
-                "The increment moves the corners by at most {} ≤ ε = {}: level {} has converged.",
-                px(moved),
-                px(self.epsilon.into()),
-                state.level
-            )),
-            Stage::Converged => said.text(format!(
-                "The increment still moves a corner by {}, but {} iterations are done: level {} ends.",
-                px(moved),
-                self.iterations,
-                state.level
-            )),
+            Stage::Hessian => at(line::HESSIAN).say(case::HESSIAN).formula(HESSIAN),
+            Stage::Singular => {
+                at(line::HESSIAN).put(value::RANK, rank(&state.hessian)).say(case::SINGULAR).formula(HESSIAN)
+            }
+            Stage::Warp => at(line::WARP).say(case::WARPED).formula(RMS),
+            Stage::Diverged => {
+                let step = at(line::STEP_BACK).put(value::MIN_OVERLAP, 100.0 * self.min_overlap);
+                step.say(case::DIVERGED).formula(RMS)
+            }
+            Stage::Worse { before } => {
+                let step = at(line::STEP_BACK).put(value::RMS_BEFORE, before);
+                let text = |of| step.value(of).map(|rms| rms.bare());
+                let is_stalled = text(value::RMS) == text(value::RMS_BEFORE);
+                step.say(if is_stalled { case::STALLED } else { case::WORSE }).say(case::UNDONE).formula(RMS)
+            }
+            Stage::Solve => {
+                let step = at(line::SOLVE).say(case::SOLVED);
+                let is_partial = step.real(value::OVERLAP) < 100.0;
+                step.say_if(is_partial, case::PARTIAL).formula(INCREMENT)
+            }
+            Stage::Undetermined => {
+                let inside = state.compared.as_ref().map_or(0, |compared| rank(&compared.hessian));
+                at(line::SOLVE).put(value::RANK, inside).say(case::UNDETERMINED).formula(INCREMENT)
+            }
+            Stage::Update => at(line::UPDATE).put(value::EPSILON, self.epsilon).say(case::UPDATED).formula(UPDATE),
+            Stage::Converged => {
+                at(line::UNTIL_CONVERGED).put(value::EPSILON, self.epsilon).say(case::CONVERGED).formula(UPDATE)
+            }
+            Stage::Exhausted => {
+                let step = at(line::UNTIL_CONVERGED).put(value::MAX_ITERATIONS, self.iterations);
+                step.say(case::EXHAUSTED).formula(UPDATE)
+            }
         }
     }
 
-    fn concluded(&self, after: &State, said: Sentence) -> Sentence {
+    fn concluded(&self, step: Step, after: &State) -> Step {
         let model = after.model(self.model);
         if model.matrix.is_none() {
-            return said.text(match after.errors.is_empty() {
-                true => format!(
-                    " End of the run: no level has texture for {}; on level {} it determines {}, so the motion of the picture remains \
-                     unknown.",
-                    counted(self.model.freedom(), "parameter"),
-                    after.level,
-                    rank(&after.hessian, self.model.freedom())
-                ),
-                false => " End of the run: no level has found an update, so the motion of the picture remains unknown."
-                    .into(),
-            });
+            let step = step.put(value::RANK, rank(&after.hessian, self.model.freedom()));
+            return step.say(if after.errors.is_empty() { case::NO_TEXTURE } else { case::NO_UPDATE });
         }
         let (width, height) = after.fixed.pair[0].size();
         let middle = [width, height].map(|extent| (extent as f64 - 1.0) / 2.0);
         let to = mapped(&after.matrix, middle).unwrap_or(middle);
-        let at_rest = difference_rms(after, &crate::products::model::IDENTITY);
-        let aligned = difference_rms(after, &after.matrix);
-        let said = said
-            .text(format!(
-                " End of the run after {} iterations: the centre of the picture moves by ",
-                after.errors.len()
-            ))
-            .ink(Role::Result, format!("{} px", numbers::vector([0, 1].map(|i| (to[i] - middle[i]) as f32))))
-            .text(format!(". The RMS difference has gone from {} to {}.", fixed(at_rest, 2), gray(aligned)));
+        let [at_rest, aligned] = [&IDENTITY, &after.matrix].map(|warp| difference_rms(after, warp));
         let truth = after.fixed.truth.as_deref();
         let error = truth.and_then(|truth| metrics::flow_error(&model.displacements_of_pixels(), truth).ok().flatten());
-        let said = match error {
-            Some(error) => said.text(format!(" Mean endpoint error over all pixels: {} px.", fixed(error.epe_px, 3))),
-            None => said,
+        let step = step.put(value::CENTER_MOTION, [0, 1].map(|i| to[i] - middle[i])).put(value::RMS_AT_REST, at_rest);
+        let step = step.put(value::RMS_ALIGNED, aligned).say(case::ALIGNED);
+        let step = match error {
+            Some(error) => step.put(value::ENDPOINT_ERROR, error.epe_px).say(case::AGAINST_TRUTH),
+            None => step,
         };
-        said.text(match (after.failed > 0, self.model, aligned > 0.5 * at_rest && at_rest > 1.0) {
-            (true, ..) => " Some levels found no alignment: fewer degrees of freedom or fewer levels would help.",
-            (_, Model::Homography, true) => {
-                " The residual stays large: parallax, moving objects or a change of light, which no single warp explains, or a motion too \
-                 large for the coarsest level, for which more levels would help."
-            }
-            (.., true) => " The residual stays large: a model with more degrees of freedom, or more levels for larger motion, would help.",
-            _ if error.is_some_and(|error| error.epe_px > WRONG_PX) => {
-                " The squared differences of objects with another motion pulled the warp away from the true one. Global motion leaves such matches out as \
-                 outliers."
-            }
-            _ => " One warp explains the motion; the places that still differ move on their own or are new.",
+        step.say(match (after.failed > 0, self.model, aligned > 0.5 * at_rest && at_rest > 1.0) {
+            (true, ..) => case::SOME_FAILED,
+            (_, Model::Homography, true) => case::UNEXPLAINED,
+            (.., true) => case::TOO_RIGID,
+            _ if error.is_some_and(|error| error.epe_px > WRONG_PX) => case::PULLED_AWAY,
+            _ => case::EXPLAINED,
         })
     }
 
-    fn readouts(&self, stage: Stage, state: &State) -> Vec<Readout> {
-        let mut readouts = vec![Readout::Facts(self.facts(state)), Readout::Equation(self.equation(stage, state))];
-        readouts.push(Readout::Tiles(match stage {
+    /// Adds the pictures, the matrices and the plot of a step.
+    fn charted(&self, step: Step, stage: Stage, state: &State) -> Step {
+        let step = step.show(Readout::Tiles(match stage {
             Stage::SteepestDescent | Stage::Hessian | Stage::Singular => {
                 alignment::explain::steepest_descent(&self.aligner(state))
             }
             _ => compared(state),
         }));
-        let matrices = self.matrices(stage, state);
-        readouts.extend((!matrices.is_empty()).then_some(Readout::Matrices(matrices)));
-        readouts.extend(plot(state).map(Readout::Series));
-        readouts
-    }
-
-    fn facts(&self, state: &State) -> Vec<Fact> {
-        let mut facts = vec![
-            Fact::new(
-                "Model",
-                format!("{}, {} parameters", self.model.label().to_lowercase(), self.model.freedom()),
-                None,
-            ),
-            Fact::new("Level", state.level.to_string(), None),
-            Fact::new("Iterations", state.errors.len().to_string(), None),
-        ];
-        if let Some(compared) = &state.compared {
-            facts.push(Fact::new("Error (RMS)", gray(compared.rms), Some(Role::Error)));
-            facts.push(Fact::new("Overlap", percent(rounded(compared.overlap)), None));
-        }
-        let moved = state.increment.as_ref();
-        facts.extend(
-            moved.map(|increment| Fact::new("Largest corner motion", px(increment.moved_px), Some(Role::Estimate))),
-        );
-        facts
-    }
-
-    fn equation(&self, stage: Stage, state: &State) -> Vec<Math> {
-        let text = |text: &str| Math::text(text.to_owned());
-        let transposed = || Math::power(Math::Bold("D"), text("T"));
-        let sum = || Math::Sum(Box::new(text("x")));
-        match stage {
-            Stage::SteepestDescent => vec![Math::Row(vec![
-                Math::Bold("D"),
-                text(" = ∇T · "),
-                Math::over(text("∂W"), text("∂p")),
-                text(match self.model {
-                    Model::Translation => " = (T_x, T_y)",
-                    Model::Rigid => " = (T_y x − T_x y, T_x, T_y)",
-                    Model::Similarity => " = (T_x x + T_y y, T_y x − T_x y, T_x, T_y)",
-                    Model::Affine => " = (T_x x, T_x y, T_x, T_y x, T_y y, T_y)",
-                    Model::Homography => {
-                        " = (T_x x, T_x y, T_x, T_y x, T_y y, T_y, −(T_x x + T_y y) x, −(T_x x + T_y y) y)"
-                    }
-                }),
-            ])],
-            Stage::Hessian | Stage::Singular => {
-                vec![Math::Row(vec![Math::Bold("H"), text(" = "), sum(), transposed(), Math::Bold("D")])]
-            }
-            Stage::Solve | Stage::Undetermined => vec![Math::Row(vec![
-                Math::Bold("H"),
-                text(" Δp = "),
-                Math::Bold("b"),
-                text(" = "),
-                sum(),
-                transposed(),
-                text(" (I(W(x)) − T(x))"),
-            ])],
-            Stage::Update | Stage::Converged => vec![text("W ← W ∘ W(Δp)⁻¹")],
-            Stage::Warp | Stage::Diverged | Stage::Worse => vec![Math::Row(vec![
-                text("RMS = "),
-                Math::root(Math::Row(vec![
-                    Math::over(text("1"), Math::Var("N")),
-                    sum(),
-                    Math::squared(text("(I(W(x)) − T(x))")),
-                ])),
-                text(" = "),
-                Math::ink(Role::Error, gray(state.compared.as_ref().map_or(0.0, |compared| compared.rms))),
-            ])],
-        }
+        step.show(Readout::Matrices(self.matrices(stage, state))).show_all(plot(state).map(Readout::Series))
     }
 
     fn matrices(&self, stage: Stage, state: &State) -> Vec<Matrix> {
@@ -276,7 +217,7 @@ impl ImageAlignment {
                 parameters(self.model, ("b", "right-hand side", Role::Error), &compared.right),
                 parameters(self.model, ("Δp", "increment", Role::Estimate), &increment.parameters),
             ],
-            (Stage::Update | Stage::Converged, _, Some(increment)) => vec![
+            (Stage::Update | Stage::Converged | Stage::Exhausted, _, Some(increment)) => vec![
                 warp_matrix(("ΔW", "warp of the increment, px of the level", Role::Estimate), &increment.matrix),
                 warp_matrix(("W", "warp, px of the picture", Role::Result), &state.matrix),
             ],
@@ -299,7 +240,7 @@ impl ImageAlignment {
                 Shape::Flow { origin: [0.0; 2], values: values.displacements_of_pixels().0 },
             );
             scene.legend(Role::Result, "displacement by the warp");
-        } else if state.compared.is_some() && matches!(stage, Stage::Warp | Stage::Diverged | Stage::Worse) {
+        } else if state.compared.is_some() && matches!(stage, Stage::Warp | Stage::Diverged | Stage::Worse { .. }) {
             scene.mark(Picture::CURRENT, Role::Error, error_picture(state));
             scene.legend(Role::Error, "absolute difference after warping");
             scene.heat = Some("gray levels");
@@ -307,11 +248,6 @@ impl ImageAlignment {
         scene.mark(Picture::NEXT, Role::Estimate, Shape::Path { points: outline, closed: true });
         scene.legend(Role::Estimate, "frame t, warped into frame t+1");
     }
-}
-
-/// A share to a tenth of a percent.
-fn rounded(share: f64) -> f32 {
-    ((1000.0 * share).round() / 1000.0) as f32
 }
 
 /// The RMS difference of both frames at full resolution under a warp; NaN where they do not overlap.
