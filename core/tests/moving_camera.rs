@@ -6,6 +6,7 @@ use common::set;
 use motionscope_core::products::model::{Matrix3, mapped};
 use motionscope_core::products::path::{PathErrors, chained, jitter, track, true_motions};
 use motionscope_core::products::{Reference, Views};
+use motionscope_core::scene::{Answer, Shown};
 use motionscope_core::{Clip, Cursor, Frame, Grid, MaskField, Move, Output, Params, PathField, Threads, synth};
 
 fn clip(scene: &str, settings: &[(&str, &str)]) -> Clip {
@@ -262,4 +263,31 @@ fn a_mosaic_of_frames_without_overlap_says_what_was_too_small() {
             && said.contains("At least 4 are needed, and more than agree by chance"),
         "{said}"
     );
+}
+
+#[test]
+fn the_direction_of_a_level_motion_is_not_asked() {
+    let texture = |x: i64, y: i64| {
+        let mixed = (x as u64).wrapping_mul(0x9E37_79B9) ^ (y as u64).wrapping_mul(0x85EB_CA6B);
+        (mixed.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 56) as u8
+    };
+    for id in ["stabilization", "mosaic"] {
+        let estimator = set(id, &[("motion", "phase-correlation"), ("motion.subpixel", "none")]);
+        let answers = [-2, 0, 2].map(|v| {
+            let frame = |t: i64| {
+                Frame::gray(Grid::from_fn(128, 96, |x, y| texture(x as i64 - 3 * t + 500, y as i64 - v * t + 500)))
+            };
+            let clip = Clip::from_frames("shifted", vec![frame(0), frame(1)]).expect("frames");
+            let mut walk = estimator.walk(&clip, 0).expect("a walk");
+            walk.jump(Move::To(Cursor { unit: 0, event: 1 }));
+            let (step, scene) = (walk.step(None), walk.scene(None));
+            let shown = Shown { step: &step, scene: &scene };
+            let answer = estimator.questions()[0].answer(shown, shown);
+            answer.map(|answer| match answer {
+                Answer::Choice(i) => estimator.questions()[0].choices()[i],
+                other => panic!("{other:?}"),
+            })
+        });
+        assert_eq!(answers, [Some("Up"), None, Some("Down")], "{id}");
+    }
 }

@@ -175,13 +175,7 @@ impl Estimator for Mosaic {
     }
 
     fn output(&self, state: &State) -> Output {
-        Output::of(PathField {
-            picture: state.chain.picture,
-            first: state.chain.span.first,
-            motions: state.chain.motions.to_vec(),
-            corrections: Vec::new(),
-            views: state.done.clone().map_or(Views::None, Views::Mosaic),
-        })
+        Output::of(state.chain.field(&[], state.done.clone().map_or(Views::None, Views::Mosaic)))
     }
 }
 

@@ -157,13 +157,9 @@ impl Estimator for Stabilization {
     }
 
     fn output(&self, state: &State) -> Output {
-        Output::of(PathField {
-            picture: state.chain.picture,
-            first: state.chain.span.first,
-            motions: state.chain.motions.to_vec(),
-            corrections: state.corrections.to_vec(),
-            views: if state.corrections.is_empty() { Views::None } else { Views::Stabilized(state.clip.clone()) },
-        })
+        let is_empty = state.corrections.is_empty();
+        let views = if is_empty { Views::None } else { Views::Stabilized(state.clip.clone()) };
+        Output::of(state.chain.field(&state.corrections, views))
     }
 }
 

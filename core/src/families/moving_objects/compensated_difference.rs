@@ -5,13 +5,12 @@ use std::sync::{Arc, OnceLock};
 use crate::base::{Error, Threads};
 use crate::data::{Clip, Frame, Mask};
 use crate::geometry::Grid;
-use crate::methods::camera_path::{Refused, matrix, usable, why};
+use crate::methods::camera_path::{Refused, displacement, matrix, refusal, usable};
 use crate::methods::subtraction::{
     self, Background, CameraMotion, Cases, Comparison, Differencing, Explanation, Exposure, Found, Probe, Settings,
     Setup, Steadiness, automatic_threshold, difference_rule, displaced, noise_of, subtraction_pseudocode,
 };
-use crate::products::model::{IDENTITY, Matrix3, inverse, mapped, product};
-use crate::products::path::middle;
+use crate::products::model::{IDENTITY, Matrix3, inverse, product};
 use crate::products::registration::{gray_at, inside};
 use crate::products::{ModelField, Support};
 use crate::run::{GlobalModel, Info, Need, Stage, StageView};
@@ -128,8 +127,6 @@ variables! {
     INLIERS: "Inliers", "", Unit::WHOLE;
     /// The matches that the motion is estimated from.
     MATCHES: "Matches", "", Unit::WHOLE;
-    /// Why the motion of the stage is not used.
-    REASON: "", "", Unit::WHOLE;
 }
 
 cases! { over value, subtraction::value;
@@ -137,8 +134,8 @@ cases! { over value, subtraction::value;
     FROM_BOTH: "the difference from both warped previous frames",
     REGISTERED: "{stage} from the previous frame to this one: {motion} {predicted|at the centre of the picture}. The previous \
                  frame is warped by this motion; objects with a motion of their own differ from it.",
-    AT_REST: "{stage} from the previous frame to this one: {rejected|no usable motion}. {reason} The camera counts as at rest \
-              in this frame.",
+    UNUSABLE: "{stage} from the previous frame to this one: {rejected|no usable motion}.",
+    AT_REST: "The camera counts as at rest in this frame.",
     NEW_PLACE: "has come into the picture: {rejected|the previous frame does not show its place}, so it counts as background.",
     REPLACES: "this frame, with gray level {gray_level} here, becomes the reference; it is warped to the next.",
     NOT_EXPLAINED: "{differing_share} of the frame differs from the background: the motion that was found does not explain the \
@@ -249,27 +246,31 @@ impl Background for CompensatedDifference {
 
     fn comparison(&self, step: Step, model: &Model, frame: &Frame) -> (Step, Cases) {
         let registered = self.registered(model, frame);
-        let from = middle(frame.size());
-        let moved = mapped(&registered.motion, from).map_or([0.0; 2], |to| [to[0] - from[0], to[1] - from[1]]);
         let unseen = registered
             .levels
             .first()
             .map_or(frame.luma().cells().len(), |all| all.cells().iter().filter(|level| level.is_nan()).count());
         let step = step
             .put(value::STAGE, self.motion.estimator().info().name)
-            .fact(value::MOTION, moved)
+            .fact(value::MOTION, displacement(&registered.motion, frame.size()))
             .fact_of(subtraction::value::THRESHOLD.is(registered.limit).in_unit(Unit::LEVEL))
             .fact(value::UNSEEN, unseen)
             .fact_if(value::INLIERS, registered.support.map(|support| support.inliers))
             .fact_if(value::MATCHES, registered.support.map(|support| support.matches))
-            .put(value::REASON, registered.refused.map_or_else(String::new, why))
             .show(Readout::Matrices(vec![matrix(
                 "M",
                 "motion of the background",
                 Role::Predicted,
                 &registered.motion,
             )]));
-        (step, vec![if registered.is_usable { case::REGISTERED } else { case::AT_REST }])
+        match registered.refused {
+            _ if registered.is_usable => (step, vec![case::REGISTERED]),
+            None => (step, vec![case::UNUSABLE, case::AT_REST]),
+            Some(refused) => {
+                let (step, why) = refusal(step, refused);
+                (step, vec![case::UNUSABLE, why, case::AT_REST])
+            }
+        }
     }
 
     fn explain(&self, step: Step, probe: &Probe<Model>) -> Explanation {

@@ -3,14 +3,15 @@
 use std::sync::Arc;
 
 use super::differences::differences;
+use super::explain::case;
 use crate::base::{Error, Threads};
 use crate::data::Clip;
 use crate::geometry::Gray;
-use crate::products::ModelField;
 use crate::products::model::{IDENTITY, Matrix3, Model, Support, inverse, normalised, product};
 use crate::products::path::{bend, corner_error};
+use crate::products::{ModelField, PathField, Views};
 use crate::run::{GlobalModel, Granularity, Span, Stage, StageView, need};
-use crate::scene::{Question, Reading, Reply};
+use crate::scene::{Question, Reply};
 
 /// The lines of the pseudocode that chain the motions.
 pub(crate) mod pairs_line {
@@ -30,23 +31,15 @@ macro_rules! path_pseudocode {
 }
 pub(crate) use path_pseudocode;
 
-/// The question about the motion of a pair, whose y points down.
+/// The question about the motion of a pair; a level one is not asked about.
 pub(crate) const DIRECTION: Question = Question::choice(
     "direction",
     "Does the background move up or down in the next pair?",
     &[
-        Reply::over(
-            Reading { line: pairs_line::ESTIMATE, after: ", ", before: ") px at the centre", unit: "px" },
-            0.0,
-            "Down",
-        ),
-        Reply::says(pairs_line::ESTIMATE, "px at the centre", "Up"),
+        Reply::told(pairs_line::ESTIMATE, case::DOWNWARDS, "Down"),
+        Reply::told(pairs_line::ESTIMATE, case::UPWARDS, "Up"),
     ],
-)
-.unless(LEVEL);
-
-/// What the sentence says of a motion that is neither up nor down.
-const LEVEL: &str = ", 0.00) px at the centre";
+);
 
 /// The motions so far, of the pairs from the first frame on.
 #[derive(Clone)]
@@ -267,6 +260,12 @@ impl Chain {
         self.frame += 1;
         self.is_complete = self.span.is_over(clip, self.frame + 1);
         Ok(Link { field, motion, refused: known.err(), before, after, truth })
+    }
+
+    /// The path with the maps from each frame to its corrected one, and pictures along it.
+    pub fn field(&self, corrections: &[Matrix3], views: Views) -> PathField {
+        let (motions, corrections) = (self.motions.to_vec(), corrections.to_vec());
+        PathField { picture: self.picture, first: self.span.first, motions, corrections, views }
     }
 
     /// Memory in bytes.

@@ -1,13 +1,13 @@
 //! The chaining of motions in words, numbers and marks.
 
 use super::chain::pairs_line as line;
-use super::{Chain, Link, Refused};
-use crate::base::words::{self, fixed, grouped};
+use super::{Chain, Link, Refused, outline};
 use crate::data::Clip;
 use crate::geometry::Grid;
 use crate::products::model::{Matrix3, Support, inverse, mapped, product};
 use crate::products::path::{chained, corner_error, middle, track, true_motions};
-use crate::scene::{Fact, Matrix, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape};
+use crate::scene::{Case, Matrix, Name, Picture, Readout, Role, Scene, Series, Shape, Step, Unit};
+use crate::{cases, variables};
 
 /// A matrix with its symbol and its name, to be shown.
 pub fn matrix(symbol: &'static str, name: &'static str, role: Role, entries: &Matrix3) -> Matrix {
@@ -23,139 +23,207 @@ pub fn matrix(symbol: &'static str, name: &'static str, role: Role, entries: &Ma
     }
 }
 
-fn px(value: f64) -> String {
-    format!("{} px", fixed(value, 2))
+variables! { pub mod value;
+    /// The frame, or the first frame of the pair.
+    FRAME: "Frame", "t", Unit::WHOLE;
+    /// The second frame of the pair.
+    NEXT_FRAME: "Next frame", "t + 1", Unit::WHOLE;
+    /// The frames of the pair.
+    PAIR: "Pair", "", Unit::WHOLE;
+    /// The method that finds the motion of a pair.
+    STAGE: "Motion stage", "", Unit::WHOLE;
+    /// The motion of the centre of the picture between the frames of the pair.
+    MOTION: "Motion of the centre", "", Unit::PX, Role::Measured;
+    /// The true motion of the centre of the picture.
+    TRUE_MOTION: "Motion of the centre, true", "", Unit::PX, Role::Truth;
+    /// The largest distance of a corner moved by the motion from one moved by the true motion.
+    CORNER_ERROR: "Error at the corners", "", Unit::PX, Role::Error;
+    /// The motion of the view since the first frame.
+    VIEW_MOTION: "Motion of the view", "", Unit::PX, Role::Result;
+    /// The number of matches that agree with the motion.
+    INLIERS: "Inliers", "", Unit::count("");
+    /// The number of matches that the motion is estimated from.
+    MATCHES: "Matches", "", Unit::count("match");
+    /// The number of pairs so far.
+    PAIRS: "Pairs chained", "", Unit::count("");
+    /// The number of pairs without a usable motion.
+    UNUSABLE: "Pairs without a motion", "", Unit::count("pair"), Role::Rejected;
+    /// The first frame of the first pair without a usable motion.
+    UNUSABLE_FROM: "First frame without a motion", "", Unit::WHOLE;
+    /// The second frame of that pair.
+    UNUSABLE_TO: "Frame after it", "", Unit::WHOLE;
+    /// The number of motions that bend the picture.
+    BENT: "Bent pairs", "", Unit::count("");
+    /// The first frame of the first pair whose motion bends the picture.
+    BENT_FROM: "First bent frame", "", Unit::WHOLE;
+    /// The second frame of that pair.
+    BENT_TO: "Frame after it", "", Unit::WHOLE;
+    /// The largest distance of a corner from the nearest similarity.
+    BEND: "Bend", "", Unit::PX;
+    /// The group of transformations of the motion.
+    MODEL: "Model", "", Unit::WHOLE;
+    /// The number of matches that determine a motion of the model.
+    SAMPLE_SIZE: "Matches needed", "", Unit::WHOLE;
+    /// The farthest motion of a corner.
+    CORNER_MOTION: "Largest corner motion", "", Unit::PX;
+    /// The diagonal of the picture.
+    DIAGONAL: "Diagonal", "", Unit::PX;
+    /// The mean or median difference of the frames registered by the motion.
+    REGISTERED_DIFFERENCE: "Difference, registered", "", Unit::GRAY;
+    /// The mean or median difference of the frames as they are.
+    REST_DIFFERENCE: "Difference at rest", "", Unit::GRAY;
+    /// The largest error of a corner at the end of the chained path.
+    DRIFT: "Drift", "", Unit::PX;
+    /// Why a truth cannot be read.
+    READ_ERROR: "Error of the truth", "", Unit::WHOLE;
 }
 
-fn vector([u, v]: [f64; 2]) -> String {
-    format!("({},\u{a0}{}) px", fixed(u, 2), fixed(v, 2))
+cases! { pub over value;
+    PAIR: "frames {frame} and {next_frame}",
+    ESTIMATED: "{stage} finds the motion of the background from frame {frame} to frame {next_frame}: ",
+    MOTION: "{motion} at the centre of the picture",
+    UPWARDS: ", upwards",
+    DOWNWARDS: ", downwards",
+    SUPPORT: ", with {inliers} of {matches}.",
+    END: ".",
+    UNUSABLE: "{rejected|none that is usable}.",
+    BREAKS_PATH: "{rejected|none that continues the path}.",
+    AT_REST: "The camera counts as at rest in this pair.",
+    CHAINED: "P({next_frame}) = M({frame}) P({frame}): the view has moved by {view_motion} from the first frame. Errors of the motions add up \
+              along the chain.",
+    FEW_INLIERS: "A motion of the model ({model}) has {inliers} of {matches} as inliers. At least {sample_size} are needed, and more than agree by \
+                  chance: the frames overlap too little, or have too little texture.",
+    REJECTED: "The motion stage rejects its estimate ({model}); the steps of that method say which number was too small.",
+    SINGULAR: "The matrix has no inverse.",
+    BEYOND_HORIZON: "It maps a corner of the picture beyond the horizon line, as no camera does.",
+    TOO_FAR: "The motion moves a corner by {corner_motion}, and the diagonal of the picture, {diagonal}, is the most.",
+    WORSE: "Registered by it the frames differ by {registered_difference} on average, and by {rest_difference:bare} as they are: its few inliers \
+            lie on an object, or are wrong.",
+    BENDS: "The motion bends the picture: a corner is {bend} off the nearest similarity. The median difference of the frames registered by it is \
+            {registered_difference}, and {rest_difference:bare} as they are: many of its inliers lie on a moving object. The model similarity \
+            avoids it.",
+    PATH_ENDS: "Chained to the motions before, it gives a map from the first frame without an inverse: the view has moved too far from that of \
+                the first frame. A shorter run helps.",
+    UNUSABLE_PAIRS: "Pairs without a usable motion, which count as at rest: {unusable:bare} of {pairs}. Frames {unusable_from} and {unusable_to}:",
+    BENT_PAIRS: "Motions that bend the picture: {bent} of {pairs}. From frame {bent_from} to {bent_to} a corner is {bend} off the nearest \
+                 similarity. A camera bends consecutive frames less, so matches on a moving object may be taken for the background; the model \
+                 similarity avoids it.",
 }
 
-/// The displacement of the middle of a picture by a map.
-fn displacement(map: &Matrix3, size: (usize, usize)) -> [f64; 2] {
+/// The displacement of the middle of a picture by a map; not a number beyond the horizon.
+pub fn displacement(map: &Matrix3, size: (usize, usize)) -> [f64; 2] {
     let from = middle(size);
-    mapped(map, from).map_or([0.0; 2], |to| [to[0] - from[0], to[1] - from[1]])
+    mapped(map, from).map_or([f64::NAN; 2], |to| [to[0] - from[0], to[1] - from[1]])
 }
 
-/// The line and the sentence of a pair: its estimate, or once that `is_chained` the path.
-pub fn chain_step(chain: &Chain, link: &Link, (is_chained, stage): (bool, &str)) -> (Name, Sentence) {
-    let (said, size, t) = (Sentence::default(), chain.picture, chain.frame);
-    if is_chained {
-        let at = inverse(&link.after).and_then(|back| mapped(&back, middle(size))).unwrap_or(middle(size));
-        let moved = [0, 1].map(|i| at[i] - middle(size)[i]);
-        let sentence = said
-            .text(format!("P({}) = M({t}) P({t}): the view has moved by ", t + 1))
-            .ink(Role::Result, vector(moved))
-            .text(" from the first frame. Errors of the motions add up along the chain.");
-        return (line::CHAIN, sentence);
-    }
-    let found = said.text(format!("{stage} finds the motion of the background from frame {t} to frame {}: ", t + 1));
-    let sentence = match link.refused {
-        None => found
-            .ink(Role::Measured, vector(displacement(&link.motion, size)))
-            .text(" at the centre of the picture")
-            .text(match link.field.support {
-                Some(support) => {
-                    format!(", with {} of {} matches.", grouped(support.inliers), grouped(support.matches))
-                }
-                None => ".".to_owned(),
-            }),
-        Some(refused) => found
-            .ink(
-                Role::Rejected,
-                match refused {
-                    Refused::Path => "none that continues the path",
-                    _ => "none that is usable",
-                },
-            )
-            .text(format!(". {} The camera counts as at rest in this pair.", why(refused))),
+/// The step of a pair: its motion by the method `stage`, with the path before it.
+pub fn estimate_step(chain: &Chain, link: &Link, (stage, clip): (&str, &Clip)) -> Step {
+    let step = pair_step(line::ESTIMATE, chain, link).put(value::STAGE, stage).say(case::ESTIMATED);
+    let step = match link.refused {
+        None => found(step, link),
+        Some(refused) => {
+            let step = step.say(if refused == Refused::Path { case::BREAKS_PATH } else { case::UNUSABLE });
+            let (step, why) = refusal(step, refused);
+            step.say(why).say(case::AT_REST)
+        }
     };
-    (line::ESTIMATE, sentence)
+    let motion = matrix("M", "motion of the pair", Role::Measured, &link.motion);
+    step.show(Readout::Matrices(vec![motion])).show_all(path_series(chain, &[], clip))
 }
 
-/// Why a motion is not used, as a sentence.
-pub fn why(refused: Refused) -> String {
-    match refused {
-        Refused::Unknown(model, Some(Support { inliers, matches })) => format!(
-            "A motion of the model ({}) has {} as inliers. At least {} are needed, and more than agree by chance: the frames overlap too little, or \
-             have too little texture.",
-            model.label().to_lowercase(),
-            format_args!("{} of {}", grouped(inliers), words::counted(matches, "match")),
-            model.sample_size()
-        ),
-        Refused::Unknown(model, None) => format!(
-            "The motion stage rejects its estimate ({}); the steps of that method say which number was too small.",
-            model.label().to_lowercase()
-        ),
-        Refused::Singular => "The matrix has no inverse.".to_owned(),
-        Refused::Far { moved_px, .. } if moved_px.is_infinite() => "It maps a corner of the picture beyond the horizon line, as no camera does.".to_owned(),
-        Refused::Far { moved_px, most_px } => {
-            format!("The motion moves a corner by {}, and the diagonal of the picture, {}, is the most.", px(moved_px), px(most_px))
-        }
-        Refused::Worse { registered, at_rest } => format!(
-            "Registered by it the frames differ by {} gray levels on average, and by {} as they are: its few inliers lie on an object, or are wrong.",
-            fixed(registered, 2),
-            fixed(at_rest, 2)
-        ),
-        Refused::Bent { bend_px, registered, at_rest } => format!(
-            "The motion bends the picture: a corner is {} off the nearest similarity. The median difference of the frames registered by it is {} gray levels, \
-             and {} as they are: many of its inliers lie on a moving object. The model similarity avoids it.",
-            px(bend_px),
-            fixed(registered, 2),
-            fixed(at_rest, 2)
-        ),
-        Refused::Path => "Chained to the motions before, it gives a map from the first frame without an inverse: the view has moved too far from \
-                          that of the first frame. A shorter run helps."
-            .to_owned(),
+/// Tells the motion of a pair, whose y points down.
+fn found(step: Step, link: &Link) -> Step {
+    let [_, v] = displacement(&link.motion, link.field.picture);
+    let step = step.say(case::MOTION);
+    let step = match value::MOTION.is(v).rounded() {
+        Some(v) if v < 0.0 => step.say(case::UPWARDS),
+        Some(v) if v > 0.0 => step.say(case::DOWNWARDS),
+        _ => step,
+    };
+    match link.field.support {
+        Some(support) => supported(step, support).say(case::SUPPORT),
+        None => step.say(case::END),
     }
 }
 
-/// How many pairs of a run have no usable motion, and why the first has none, as sentences; empty if all have one.
-pub fn unknown_pairs(chain: &Chain) -> String {
-    let Some((frame, refused)) = chain.first_refused else { return String::new() };
-    format!(
-        " Pairs without a usable motion, which count as at rest: {} of {}. Frames {frame} and {}: {}",
-        grouped(chain.unknown),
-        grouped(chain.motions.len()),
-        frame + 1,
-        why(refused)
-    )
+fn supported(step: Step, Support { inliers, matches }: Support) -> Step {
+    step.put(value::INLIERS, inliers).put(value::MATCHES, matches)
 }
 
-/// How many motions of a run bend the picture, and what that means, as sentences; empty if none does.
-pub fn bent_pairs(chain: &Chain) -> String {
-    let Some((frame, bend_px)) = chain.first_bent else { return String::new() };
-    format!(
-        " Motions that bend the picture: {} of {}. From frame {frame} to {} a corner is {} off the nearest similarity. A camera bends \
-         consecutive frames less, so matches on a moving object may be taken for the background; the model similarity avoids it.",
-        grouped(chain.bent),
-        grouped(chain.motions.len()),
-        frame + 1,
-        px(bend_px)
-    )
+/// The step of a pair that continues the path, which is `chained` then.
+pub fn chain_step([chain, chained]: [&Chain; 2], link: &Link, clip: &Clip) -> Step {
+    let back = inverse(&link.after).map_or([f64::NAN; 2], |back| displacement(&back, chain.picture));
+    let step = pair_step(line::CHAIN, chain, link).fact(value::PAIRS, chain.motions.len() + 1);
+    let matrices = vec![
+        matrix("M", "motion of the pair", Role::Measured, &link.motion),
+        matrix("P", "from the first frame", Role::Result, &link.after),
+    ];
+    let step = step.put(value::VIEW_MOTION, back).say(case::CHAINED).show(Readout::Matrices(matrices));
+    step.show_all(path_series(chained, &[], clip))
 }
 
-/// The numbers of a pair.
-pub fn chain_facts(chain: &Chain, link: &Link, is_chained: bool) -> Vec<Fact> {
-    let size = chain.picture;
-    let mut facts = vec![Fact::new("Pair", format!("frames {} and {}", chain.frame, chain.frame + 1), None)];
-    facts.push(Fact::new("Motion of the centre", vector(displacement(&link.motion, size)), Some(Role::Measured)));
-    match &link.truth {
-        Ok(None) => {}
+/// A step of a pair with its numbers.
+fn pair_step(line: Name, chain: &Chain, link: &Link) -> Step {
+    let (size, frames) = (chain.picture, [chain.frame, chain.frame + 1]);
+    let step = Step::at(line).put(value::FRAME, frames[0]).put(value::NEXT_FRAME, frames[1]);
+    let step = step.fact_as(value::PAIR.is(frames), case::PAIR);
+    let step = step.fact(value::MOTION, displacement(&link.motion, size));
+    let step = match &link.truth {
+        Ok(None) => step,
         Ok(Some(truth)) => {
-            let error = corner_error([&link.motion, truth], size);
-            facts.push(Fact::new("Motion of the centre, true", vector(displacement(truth, size)), Some(Role::Truth)));
-            facts.push(Fact::new("Error at the corners", px(error), Some(Role::Error)));
+            let step = step.fact(value::TRUE_MOTION, displacement(truth, size));
+            step.fact(value::CORNER_ERROR, corner_error([&link.motion, truth], size))
         }
-        Err(error) => facts.push(Fact::new("Motion of the centre, true", error.to_string(), Some(Role::Rejected))),
+        Err(error) => step.fact_of(value::TRUE_MOTION.is(error.to_string()).inked(Role::Rejected)),
+    };
+    step.fact_if(value::UNUSABLE, (chain.unknown > 0).then_some(chain.unknown))
+}
+
+/// Adds the numbers for which a motion is not used, and gives the case that tells why.
+pub fn refusal(step: Step, refused: Refused) -> (Step, &'static Case) {
+    let differences = |step: Step, [registered, at_rest]: [f64; 2]| {
+        step.put(value::REGISTERED_DIFFERENCE, registered).put(value::REST_DIFFERENCE, at_rest)
+    };
+    match refused {
+        Refused::Unknown(model, support) => {
+            let step =
+                step.put(value::MODEL, model.label().to_lowercase()).put(value::SAMPLE_SIZE, model.sample_size());
+            match support {
+                Some(support) => (supported(step, support), case::FEW_INLIERS),
+                None => (step, case::REJECTED),
+            }
+        }
+        Refused::Singular => (step, case::SINGULAR),
+        Refused::Far { moved_px, .. } if moved_px.is_infinite() => (step, case::BEYOND_HORIZON),
+        Refused::Far { moved_px, most_px } => {
+            (step.put(value::CORNER_MOTION, moved_px).put(value::DIAGONAL, most_px), case::TOO_FAR)
+        }
+        Refused::Worse { registered, at_rest } => (differences(step, [registered, at_rest]), case::WORSE),
+        Refused::Bent { bend_px, registered, at_rest } => {
+            (differences(step.put(value::BEND, bend_px), [registered, at_rest]), case::BENDS)
+        }
+        Refused::Path => (step, case::PATH_ENDS),
     }
-    if is_chained {
-        facts.push(Fact::new("Pairs chained", (chain.motions.len() + 1).to_string(), None));
+}
+
+/// Tells at the end of a run how many pairs have no usable motion, and how many motions bend the picture, with the first of each.
+pub fn conclude(step: Step, chain: &Chain) -> Step {
+    let step = step.put(value::PAIRS, chain.motions.len());
+    let step = match chain.first_refused {
+        Some((frame, refused)) => {
+            let step = step.put(value::UNUSABLE, chain.unknown).put(value::UNUSABLE_FROM, frame);
+            let (step, why) = refusal(step.put(value::UNUSABLE_TO, frame + 1), refused);
+            step.say(case::UNUSABLE_PAIRS).say(why)
+        }
+        None => step,
+    };
+    match chain.first_bent {
+        Some((frame, bend_px)) => {
+            let step = step.put(value::BENT, chain.bent).put(value::BENT_FROM, frame).put(value::BENT_TO, frame + 1);
+            step.put(value::BEND, bend_px).say(case::BENT_PAIRS)
+        }
+        None => step,
     }
-    if chain.unknown > 0 {
-        facts.push(Fact::new("Pairs without a motion", words::counted(chain.unknown, "pair"), Some(Role::Rejected)));
-    }
-    facts
 }
 
 /// The camera's path along x and along y: by the estimated motions, smoothed, and true.
@@ -190,22 +258,26 @@ pub fn path_series(chain: &Chain, corrections: &[Matrix3], clip: &Clip) -> Vec<R
     vec![series(0, "Path of the camera along x", "x in px"), series(1, "Path of the camera along y", "y in px")]
 }
 
+/// Draws the outline of a picture by its corners, if it has one.
+pub fn draw_outline(
+    scene: &mut Scene,
+    on: Picture,
+    (role, meaning): (Role, &'static str),
+    corners: Option<[[f64; 2]; 4]>,
+) {
+    if let Some(corners) = corners {
+        let points = corners.iter().map(|at| at.map(|c| c as f32)).collect();
+        scene.mark(on, role, Shape::Path { points, closed: true });
+        scene.legend(role, meaning);
+    }
+}
+
 /// The outline of frame t in frame t + 1, and the path of the camera so far in frame t.
 pub fn draw_link(chain: &Chain, link: &Link, scene: &mut Scene) {
-    let (width, height) = chain.picture;
-    let [right, bottom] = [(width - 1) as f64, (height - 1) as f64];
-    let corners = [[0.0, 0.0], [right, 0.0], [right, bottom], [0.0, bottom]];
-    let outline = |map: &Matrix3| -> Option<Vec<[f32; 2]>> {
-        corners.iter().map(|at| mapped(map, *at).map(|to| to.map(|c| c as f32))).collect()
-    };
-    if let Some(points) = outline(&link.motion) {
-        scene.mark(Picture::NEXT, Role::Window, Shape::Path { points, closed: true });
-        scene.legend(Role::Window, "outline of frame t");
-    }
-    if let Some(points) = link.truth.iter().flatten().next().and_then(outline) {
-        scene.mark(Picture::NEXT, Role::Truth, Shape::Path { points, closed: true });
-        scene.legend(Role::Truth, "its true outline");
-    }
+    let outline = |map| outline(map, chain.picture);
+    draw_outline(scene, Picture::NEXT, (Role::Window, "outline of frame t"), outline(&link.motion));
+    let truth = link.truth.as_ref().ok().and_then(Option::as_ref);
+    draw_outline(scene, Picture::NEXT, (Role::Truth, "its true outline"), truth.and_then(outline));
     draw_path(chain, &link.before, scene);
 }
 

@@ -3,12 +3,14 @@
 mod canvas;
 mod chain;
 mod differences;
-mod explain;
+pub(crate) mod explain;
 mod smooth;
 
 pub use canvas::{Blending, Canvas, MOST_FRAMES, outline};
 pub use chain::{Chain, Link, Refused, usable};
 pub(crate) use chain::{DIRECTION, path_pseudocode};
 pub use differences::differences;
-pub use explain::{bent_pairs, chain_facts, chain_step, draw_link, matrix, path_series, unknown_pairs, why};
+pub use explain::{
+    chain_step, conclude, displacement, draw_link, draw_outline, estimate_step, matrix, path_series, refusal,
+};
 pub use smooth::correction;

@@ -3,15 +3,14 @@
 use std::sync::Arc;
 
 use super::{Event, Mosaic, Placed, State, line};
-use crate::base::words::{self, fixed, grouped};
+use crate::methods::camera_path::explain::value as path;
 use crate::methods::camera_path::{
-    Blending, Canvas as Sheet, bent_pairs, chain_facts, chain_step, draw_link, matrix, outline, path_series,
-    unknown_pairs,
+    Blending, Canvas as Sheet, chain_step, conclude, draw_link, estimate_step, matrix, outline, path_series,
 };
-use crate::methods::numbers::percent;
-use crate::products::{PathField, Views};
+use crate::products::Views;
 use crate::run::Seen;
-use crate::scene::{Canvas, Fact, Math, Picture, PictureRole, Readout, Role, Scene, Sentence, Shape, Step};
+use crate::scene::{Canvas, Name, Picture, PictureRole, Readout, Role, Scene, Shape, Step, Unit};
+use crate::{cases, variables};
 
 /// The mosaic.
 const MOSAIC: Picture = Picture { role: PictureRole::Mosaic, ..Picture::CURRENT };
@@ -19,164 +18,87 @@ const MOSAIC: Picture = Picture { role: PictureRole::Mosaic, ..Picture::CURRENT 
 /// A chained path that ends farther than this from the true one shows seams, in px.
 const SEAMS_PX: f64 = 3.0;
 
-fn size(canvas: &Sheet) -> String {
-    let (width, height) = canvas.window.size;
-    format!("{}×{} px", grouped(width), grouped(height))
+variables! {
+    /// The frame in whose coordinates the mosaic is.
+    REFERENCE: "Reference frame", "c", Unit::WHOLE;
+    /// Width and height of the mosaic.
+    SIZE: "Mosaic", "", Unit::WHOLE, Role::Result;
+    /// The width of the mosaic.
+    WIDTH: "Width", "", Unit::WHOLE, Role::Result;
+    /// The height of the mosaic.
+    HEIGHT: "Height", "", Unit::new("px", 0), Role::Result;
+    /// The number of frames of the run.
+    FRAMES: "Frames", "", Unit::count("frame");
+    /// The number of frames that lie completely on the mosaic.
+    WHOLE_FRAMES: "Frames on it", "", Unit::count("");
+    /// The number of frames that the border of the mosaic cuts.
+    CUT_FRAMES: "Frames cut", "", Unit::count("frame");
+    /// The number of frames on the mosaic so far.
+    BLENDED: "Frames blended", "", Unit::count("");
+    /// The share of the mosaic that frames cover.
+    COVERED: "Covered", "", Unit::PERCENT, Role::Result;
 }
 
-impl State {
-    fn field(&self) -> PathField {
-        PathField {
-            picture: self.chain.picture,
-            first: self.chain.span.first,
-            motions: self.chain.motions.to_vec(),
-            corrections: Vec::new(),
-            views: Views::None,
-        }
-    }
+cases! { over value, path;
+    OPENING: "A mosaic registers all frames of a shot in one coordinate system. The motions of consecutive frames are chained first; this is exact for \
+              a rotating camera or a planar scene.",
+    SIZE: "{width:bare}×{height}",
+    BOUNDED: "The mosaic takes the coordinates of frame {reference}, in the middle of the shot, so that errors of the chain grow to both sides alike. \
+              All outlines span {width:bare}×{height}",
+    END: ".",
+    ONE_CUT: "; {cut_frames} is cut",
+    SOME_CUT: "; {cut_frames} are cut",
+    WHY_CUT: ", because the outline would make the mosaic too large or reach infinity. A shorter shot or a simpler motion model helps.",
+    NO_PLACE: "Frame {frame} has {rejected|no place on the mosaic}: its map A to the reference frame has no inverse. A shorter shot or a simpler \
+               motion model helps.",
+    REGISTERED: "Frame {frame} is registered by A = P({reference}) P({frame})⁻¹: its outline on the mosaic is the {result|marked quadrilateral}.",
+    LEFT_OUT: "Frame {frame} has no place on the mosaic and is left out.",
+    FEATHERED: "Frame {frame} is blended in, with weights that fall to 0 at its border: seams vanish, but moving objects leave faint ghosts.",
+    NEWEST: "Frame {frame} is blended in: it covers all earlier frames, so each moving object is shown where it was last, with seams.",
+    COVERED: "{covered} of the mosaic is covered.",
+    CONCLUDED: "End of the run: {frames} in one picture.",
+    UNKNOWN_DRIFT: "The drift of the path is unknown. {read_error}.",
+    INFINITE_DRIFT: "The chained map of the last frame sends a corner of the picture to infinity.",
+    DRIFT: "At the end of the chained path the corners are up to {drift} off",
+    SEAMS: ": parallax, moving objects or a model with too much freedom. Blurred seams show it.",
+    NO_TRUTH: "Double edges show errors of the chained path; broken straight lines show parallax.",
 }
 
 impl Mosaic {
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
-        let Some(event) = seen.events.last() else {
-            let said = "A mosaic registers all frames of a shot in one coordinate system. The motions of consecutive frames are chained \
-                        first; this is exact for a rotating camera or a planar scene.";
-            return Step {
-                values: Vec::new(),
-                line: line::EACH_PAIR,
-                sentence: Sentence::default().text(said),
-                readouts: Vec::new(),
-            };
-        };
-        let name = self.motion.estimator().info().name;
-        let (line, sentence) = match event {
-            Event::Estimated(link) => chain_step(&seen.before.chain, link, (false, name)),
-            Event::Chained(link) => chain_step(&seen.before.chain, link, (true, name)),
-            Event::Bounded(canvas) => (line::BOUND, Self::bounded(seen.before, canvas)),
-            Event::Found(placed) => (line::PLACE, Self::found(seen.before, placed)),
-            Event::Blended(placed) => (line::BLEND, self.blended(seen, placed)),
-        };
-        Step { values: Vec::new(), line, sentence, readouts: self.readouts(seen, event) }
-    }
-
-    fn bounded(state: &State, canvas: &Sheet) -> Sentence {
-        let frames = state.chain.to_frames.len();
-        let said = Sentence::default()
-            .text(format!(
-                "The mosaic takes the coordinates of frame {}, in the middle of the shot, so that errors of the chain grow to both \
-                 sides alike. All outlines span ",
-                state.chain.span.first + state.reference()
-            ))
-            .ink(Role::Result, size(canvas));
-        match canvas.complete == frames {
-            true => said.text("."),
-            false => said.text(format!(
-                "; {} {} cut, because the outline would make the mosaic too large or reach infinity. A shorter shot or a simpler motion model \
-                 helps.",
-                words::counted(frames - canvas.complete, "frame"),
-                if frames - canvas.complete == 1 { "is" } else { "are" }
-            )),
-        }
-    }
-
-    fn found(state: &State, placed: &Placed) -> Sentence {
-        let number = state.chain.span.first + state.placed;
-        if placed.map.is_none() {
-            return Sentence::default()
-                .text(format!("Frame {number} has "))
-                .ink(Role::Rejected, "no place on the mosaic")
-                .text(": its map A to the reference frame has no inverse. A shorter shot or a simpler motion model helps.");
-        }
-        Sentence::default()
-            .text(format!(
-                "Frame {number} is registered by A = P({}) P({number})⁻¹: its outline on the mosaic is the ",
-                state.chain.span.first + state.reference()
-            ))
-            .ink(Role::Result, "marked quadrilateral")
-            .text(".")
-    }
-
-    fn blended(&self, seen: &Seen<Self>, placed: &Placed) -> Sentence {
-        let number = seen.before.chain.span.first + seen.before.placed;
-        let said = Sentence::default().text(match (placed.map, self.blending) {
-            (None, _) => format!("Frame {number} has no place on the mosaic and is left out. "),
-            (_, Blending::Mean) => format!(
-                "Frame {number} is blended in, with weights that fall to 0 at its border: seams vanish, but moving objects leave faint \
-                 ghosts. "
-            ),
-            (_, Blending::Newest) => format!(
-                "Frame {number} is blended in: it covers all earlier frames, so each moving object is shown where it was last, with \
-                 seams. "
-            ),
-        });
-        let said = said.ink(Role::Result, percent(placed.canvas.covered())).text(" of the mosaic is covered.");
-        match seen.after.filter(|after| after.done.is_some()) {
-            Some(after) => said.text(Self::concluded(seen, after)),
-            None => said,
-        }
-    }
-
-    /// The conclusion of the run.
-    fn concluded(seen: &Seen<Self>, after: &State) -> String {
-        let drift = after.field().errors(seen.clip).map(|errors| errors.drift_px);
-        let frames = words::counted(after.chain.to_frames.len(), "frame");
-        let quality = match drift {
-            Err(error) => format!(" The drift of the path is unknown. {error}."),
-            Ok(Some(drift)) if !drift.is_finite() => {
-                " The chained map of the last frame sends a corner of the picture to infinity.".to_owned()
+        let (chain, name) = (&seen.before.chain, self.motion.estimator().info().name);
+        match seen.events.last() {
+            None => Step::at(line::EACH_PAIR).say(case::OPENING),
+            Some(Event::Estimated(link)) => estimate_step(chain, link, (name, seen.clip)),
+            Some(Event::Chained(link)) => {
+                chain_step([chain, &seen.after.unwrap_or(seen.before).chain], link, seen.clip)
             }
-            Ok(Some(drift)) if drift > SEAMS_PX => format!(
-                " At the end of the chained path the corners are up to {} px off: parallax, moving objects or a model with too much freedom. Blurred \
-                 seams show it.",
-                fixed(drift, 2)
-            ),
-            Ok(Some(drift)) => {
-                format!(" At the end of the chained path the corners are up to {} px off.", fixed(drift, 2))
+            Some(Event::Bounded(canvas)) => {
+                let (frames, reference) = (chain.to_frames.len(), chain.span.first + seen.before.reference());
+                let step = sized(Step::at(line::BOUND), canvas).fact(value::WHOLE_FRAMES, canvas.complete);
+                let step = step.fact(value::REFERENCE, reference).put(value::CUT_FRAMES, frames - canvas.complete);
+                let step = match frames - canvas.complete {
+                    0 => step.say(case::BOUNDED).say(case::END),
+                    1 => step.say(case::BOUNDED).say(case::ONE_CUT).say(case::WHY_CUT),
+                    _ => step.say(case::BOUNDED).say(case::SOME_CUT).say(case::WHY_CUT),
+                };
+                step.show_all(path_series(chain, &[], seen.clip))
             }
-            Ok(None) => {
-                " Double edges show errors of the chained path; broken straight lines show parallax.".to_owned()
+            Some(Event::Found(placed)) => {
+                let step = frame_step(line::PLACE, seen, placed);
+                step.say(if placed.map.is_some() { case::REGISTERED } else { case::NO_PLACE })
             }
-        };
-        format!(
-            " End of the run: {frames} in one picture.{quality}{}{}",
-            unknown_pairs(&after.chain),
-            bent_pairs(&after.chain)
-        )
-    }
-
-    fn readouts(&self, seen: &Seen<Self>, event: &Event) -> Vec<Readout> {
-        let state = seen.before;
-        let chain = &seen.after.unwrap_or(state).chain;
-        match event {
-            Event::Estimated(link) | Event::Chained(link) => {
-                let is_chained = matches!(event, Event::Chained(_));
-                let mut all = vec![matrix("M", "motion of the pair", Role::Measured, &link.motion)];
-                if is_chained {
-                    all.push(matrix("P", "from the first frame", Role::Result, &link.after));
+            Some(Event::Blended(placed)) => {
+                let step = frame_step(line::BLEND, seen, placed).put(value::COVERED, 100.0 * placed.canvas.covered());
+                let step = step.say(match (placed.map, self.blending) {
+                    (None, _) => case::LEFT_OUT,
+                    (_, Blending::Mean) => case::FEATHERED,
+                    (_, Blending::Newest) => case::NEWEST,
+                });
+                match seen.after.filter(|after| after.done.is_some()) {
+                    Some(after) => concluded(step.say(case::COVERED), seen, after),
+                    None => step.say(case::COVERED),
                 }
-                let facts = Readout::Facts(chain_facts(&state.chain, link, is_chained));
-                let shown = if is_chained { chain } else { &state.chain };
-                [vec![facts, Readout::Matrices(all)], path_series(shown, &[], seen.clip)].concat()
-            }
-            Event::Bounded(canvas) => {
-                let facts = vec![
-                    Fact::new("Mosaic", size(canvas), Some(Role::Result)),
-                    Fact::new("Frames on it", canvas.complete.to_string(), None),
-                    Fact::new("Reference frame", (chain.span.first + state.reference()).to_string(), None),
-                ];
-                [vec![Readout::Facts(facts)], path_series(chain, &[], seen.clip)].concat()
-            }
-            Event::Found(placed) | Event::Blended(placed) => {
-                let facts = vec![
-                    Fact::new("Frame", (chain.span.first + state.placed).to_string(), None),
-                    Fact::new("Mosaic", size(&placed.canvas), None),
-                    Fact::new("Frames blended", (state.placed + 1).to_string(), None),
-                ];
-                let path = matrix("P", "from the first frame", Role::Measured, &chain.to_frames[state.placed]);
-                let mut all = vec![path];
-                all.extend(placed.map.as_ref().map(|map| matrix("A", "to the mosaic", Role::Result, map)));
-                let shown = vec![Readout::Facts(facts), Readout::Equation(equation()), Readout::Matrices(all)];
-                [shown, path_series(chain, &[], seen.clip)].concat()
             }
         }
     }
@@ -205,15 +127,36 @@ impl Mosaic {
     }
 }
 
-/// A = P(c) P(t)⁻¹ in symbols.
-fn equation() -> Vec<Math> {
-    vec![Math::Row(vec![
-        Math::Var("A"),
-        Math::text(" = "),
-        Math::Var("P"),
-        Math::text("(c) "),
-        Math::power(Math::Row(vec![Math::Var("P"), Math::text("(t)")]), Math::text("−1")),
-    ])]
+/// Adds the size of the mosaic.
+fn sized(step: Step, canvas: &Sheet) -> Step {
+    let (width, height) = canvas.window.size;
+    step.put(value::WIDTH, width).put(value::HEIGHT, height).fact_as(value::SIZE.is((width, height)), case::SIZE)
+}
+
+/// A step of a frame with its numbers, its maps and the path.
+fn frame_step(line: Name, seen: &Seen<Mosaic>, placed: &Placed) -> Step {
+    let (state, chain) = (seen.before, &seen.before.chain);
+    let mut matrices = vec![matrix("P", "from the first frame", Role::Measured, &chain.to_frames[state.placed])];
+    matrices.extend(placed.map.as_ref().map(|map| matrix("A", "to the mosaic", Role::Result, map)));
+    let step = Step::at(line).fact(path::FRAME, chain.span.first + state.placed);
+    let step = sized(step, &placed.canvas).fact(value::BLENDED, state.placed + 1);
+    let step = step.put(value::REFERENCE, chain.span.first + state.reference()).formula("A = P(c) P(t)^{-1}");
+    step.show(Readout::Matrices(matrices)).show_all(path_series(chain, &[], seen.clip))
+}
+
+/// The conclusion of the run.
+fn concluded(step: Step, seen: &Seen<Mosaic>, after: &State) -> Step {
+    let step = step.put(value::FRAMES, after.chain.to_frames.len()).say(case::CONCLUDED);
+    let step = match after.chain.field(&[], Views::None).errors(seen.clip).map(|errors| errors.drift_px) {
+        Err(error) => step.put(path::READ_ERROR, error.to_string()).say(case::UNKNOWN_DRIFT),
+        Ok(None) => step.say(case::NO_TRUTH),
+        Ok(Some(drift)) if !drift.is_finite() => step.say(case::INFINITE_DRIFT),
+        Ok(Some(drift)) => {
+            let end = if drift > SEAMS_PX { case::SEAMS } else { case::END };
+            step.put(path::DRIFT, drift).say(case::DRIFT).say(end)
+        }
+    };
+    conclude(step, &after.chain)
 }
 
 /// Shows the frame beside the mosaic so far.

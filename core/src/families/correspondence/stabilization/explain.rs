@@ -1,17 +1,17 @@
 //! The explanation and the drawing of video stabilisation.
 
 use super::{Event, Stabilization, Stable, State, line};
-use crate::base::words::{self, fixed};
+use crate::methods::camera_path::explain::value as path;
 use crate::methods::camera_path::{
-    Chain, bent_pairs, chain_facts, chain_step, draw_link, matrix, path_series, unknown_pairs,
+    chain_step, conclude, displacement, draw_link, draw_outline, estimate_step, matrix, outline, path_series,
 };
-use crate::methods::numbers::percent;
-use crate::products::model::{IDENTITY, Matrix3, inverse, mapped};
+use crate::products::Views;
+use crate::products::model::{IDENTITY, inverse, mapped};
 use crate::products::path::{PathErrors, middle};
 use crate::products::registration::{Window, registered};
-use crate::products::{PathField, Views};
 use crate::run::Seen;
-use crate::scene::{Canvas, Fact, Math, Picture, Readout, Role, Scene, Sentence, Shape, Step};
+use crate::scene::{Canvas, Name, Picture, Readout, Role, Scene, Step, Unit};
+use crate::{cases, variables};
 
 /// More of the picture empty than this is much.
 const MUCH_EMPTY: f64 = 0.1;
@@ -22,178 +22,90 @@ const FOREIGN_PX: f64 = 1.0;
 /// A jitter below this share of that before is suppressed well.
 const SUPPRESSED: f64 = 0.5;
 
-fn px(value: f64) -> String {
-    format!("{} px", fixed(value, 2))
+variables! {
+    /// The standard deviation of the Gaussian weights of the frames.
+    SMOOTHING: "Smoothing σ", r"\sigma", Unit::new("frames", 1);
+    /// The place of the centre of the frame in the stabilised one.
+    CENTER: "Centre of the frame to", "", Unit::PX, Role::Result;
+    /// The displacement of the centre of the frame to the smoothed path.
+    SHIFT: "Shift", "", Unit::PX, Role::Result;
+    /// The share of the stabilised frame that is empty.
+    EMPTY: "Empty", "", Unit::PERCENT, Role::Rejected;
+    /// The share of the stabilised frames that is empty, on average.
+    MEAN_EMPTY: "Mean empty share", "", Unit::PERCENT;
+    /// The jitter of the path before smoothing.
+    JITTER_BEFORE: "Jitter before", "", Unit::PX;
+    /// The jitter of the path after smoothing.
+    JITTER: "Jitter", "", Unit::PX;
+    /// The jitter that is left by the true motion of the background.
+    TRUE_JITTER: "True jitter", "", Unit::PX;
+    /// The largest error of the motion of a pair at the corners.
+    MOTION_ERROR: "Error of a motion", "", Unit::PX;
+    /// The number of frames without a place on the smoothed path.
+    UNSMOOTHED: "Without a smoothed place", "", Unit::count("frame");
 }
 
-/// The state in which the pair or the frame of a step is done.
-fn chain<'a>(seen: &Seen<'a, Stabilization>) -> &'a Chain {
-    &seen.after.unwrap_or(seen.before).chain
-}
-
-impl State {
-    fn field(&self) -> PathField {
-        PathField {
-            picture: self.chain.picture,
-            first: self.chain.span.first,
-            motions: self.chain.motions.to_vec(),
-            corrections: self.corrections.to_vec(),
-            views: Views::None,
-        }
-    }
+cases! { over value, path;
+    OPENING: "Stabilisation first estimates the motion of the background between all consecutive frames and chains it to the path of the camera. \
+              Then it smooths the path and warps each frame to its smoothed place.",
+    NO_PLACE: "Frame {frame} has {rejected|no place on the smoothed path}: a map between it and one of its neighbours has no inverse. It stays where \
+               it is; less smoothing or a simpler motion model helps.",
+    SMOOTHED: "The path is averaged around frame {frame} with Gaussian weights of σ = {smoothing}. The centre of the frame moves by {shift} to the \
+               smoothed path: the shake is removed; a steady pan stays.",
+    WARPED: "Frame {frame} is warped by S.",
+    COVERS: "It covers the whole stabilised frame.",
+    EMPTY: "{empty} of the stabilised frame is empty, because the frame does not cover it; zoom hides that.",
+    UNKNOWN_ERRORS: "End of the run: the errors of the path are unknown. {read_error}.",
+    TOO_SHORT: "End of the run: with fewer than three frames there is no jitter to suppress.",
+    JITTER: "End of the run: the jitter of the path falls from {jitter_before} to {jitter}.",
+    MORE_SMOOTHING: "More smoothing would suppress more of it.",
+    BY_TRUTH: "Measured by the true motion of the background, it is {true_jitter}",
+    DRIFT: ", and at the end of the chained path the corners are up to {drift} off.",
+    END: ".",
+    FOREIGN: "The motion of a pair is up to {motion_error} off at the corners: a large object, parallax or a motion that the model does not have, as a \
+              rotation for a translation, dominates it, so it is not that of the background.",
+    MUCH_EMPTY: "On average {mean_empty} of the frames is empty; less smoothing or zoom helps.",
+    UNSMOOTHED: "Without a smoothed place: {unsmoothed}.",
 }
 
 impl Stabilization {
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
-        let Some(event) = seen.events.last() else {
-            let said = "Stabilisation first estimates the motion of the background between all consecutive frames and chains it to the path \
-                        of the camera. Then it smooths the path and warps each frame to its smoothed place.";
-            return Step {
-                values: Vec::new(),
-                line: line::EACH_PAIR,
-                sentence: Sentence::default().text(said),
-                readouts: Vec::new(),
-            };
-        };
-        let name = self.motion.estimator().info().name;
-        let (line, sentence) = match event {
-            Event::Estimated(link) => chain_step(&seen.before.chain, link, (false, name)),
-            Event::Chained(link) => chain_step(&seen.before.chain, link, (true, name)),
-            Event::Smoothed(stable) => (line::SMOOTH, self.smoothed(seen, stable)),
-            Event::Warped(stable) => (line::WARP, self.warped(seen, stable)),
-        };
-        Step { values: Vec::new(), line, sentence, readouts: self.readouts(seen, event) }
-    }
-
-    fn smoothed(&self, seen: &Seen<Self>, stable: &Stable) -> Sentence {
-        let state = seen.before;
-        if !stable.is_smoothed {
-            return Sentence::default()
-                .text(format!("Frame {} has ", state.chain.span.first + state.corrections.len()))
-                .ink(Role::Rejected, "no place on the smoothed path")
-                .text(
-                    ": a map between it and one of its neighbours has no inverse. It stays where it is; less smoothing or a simpler motion \
-                     model helps.",
-                );
-        }
-        let place = middle(state.chain.picture);
-        let to = mapped(&stable.correction, place).unwrap_or(place);
-        let [u, v] = [0, 1].map(|i| to[i] - place[i]);
-        Sentence::default()
-            .text(format!(
-                "The path is averaged around frame {} with Gaussian weights of σ = {} frames. The centre of the frame moves by ",
-                state.chain.span.first + state.corrections.len(),
-                fixed(self.smoothing.into(), 1)
-            ))
-            .ink(Role::Result, format!("({},\u{a0}{}) px", fixed(u, 2), fixed(v, 2)))
-            .text(" to the smoothed path: the shake is removed; a steady pan stays.")
-    }
-
-    fn warped(&self, seen: &Seen<Self>, stable: &Stable) -> Sentence {
-        let number = seen.before.chain.span.first + seen.before.corrections.len();
-        let said = Sentence::default().text(format!("Frame {number} is warped by S. "));
-        let said = match stable.empty() < LEAST_EMPTY {
-            true => said.text("It covers the whole stabilised frame."),
-            false => said
-                .ink(Role::Rejected, percent(stable.empty()))
-                .text(" of the stabilised frame is empty, because the frame does not cover it; zoom hides that."),
-        };
-        match seen.after.filter(|after| after.corrections.len() == after.chain.to_frames.len()) {
-            Some(after) => said.text(self.concluded(seen, after)),
-            None => said,
-        }
-    }
-
-    /// The conclusion of the run.
-    fn concluded(&self, seen: &Seen<Self>, after: &State) -> String {
-        let PathErrors { before_px, after_px, drift_px, motion_px, residual_px, empty } =
-            match after.field().errors(seen.clip) {
-                Ok(errors) => errors,
-                Err(error) => return format!(" End of the run: the errors of the path are unknown. {error}."),
-            };
-        let mut said = " End of the run: ".to_owned();
-        match before_px.zip(after_px) {
-            None => said.push_str("with fewer than three frames there is no jitter to suppress."),
-            Some((before, left)) => {
-                said.push_str(&format!("the jitter of the path falls from {} to {}.", px(before), px(left)));
-                if left > SUPPRESSED * before && before > 0.1 {
-                    said.push_str(" More smoothing would suppress more of it.");
+        let (chain, name) = (&seen.before.chain, self.motion.estimator().info().name);
+        match seen.events.last() {
+            None => Step::at(line::EACH_PAIR).say(case::OPENING),
+            Some(Event::Estimated(link)) => estimate_step(chain, link, (name, seen.clip)),
+            Some(Event::Chained(link)) => {
+                chain_step([chain, &seen.after.unwrap_or(seen.before).chain], link, seen.clip)
+            }
+            Some(Event::Smoothed(stable)) => {
+                let step = self.frame_step(line::SMOOTH, seen, stable);
+                step.say(if stable.is_smoothed { case::SMOOTHED } else { case::NO_PLACE })
+            }
+            Some(Event::Warped(stable)) => {
+                let step = self.frame_step(line::WARP, seen, stable).say(case::WARPED);
+                let step = step.say(if stable.empty() < LEAST_EMPTY { case::COVERS } else { case::EMPTY });
+                match seen.after.filter(|after| after.corrections.len() == after.chain.to_frames.len()) {
+                    Some(after) => concluded(step, seen, after),
+                    None => step,
                 }
             }
         }
-        if let Some(residual) = residual_px {
-            said.push_str(&format!(" Measured by the true motion of the background, it is {}", px(residual)));
-            match drift_px {
-                Some(drift) if drift.is_finite() => {
-                    said.push_str(&format!(
-                        ", and at the end of the chained path the corners are up to {} off.",
-                        px(drift)
-                    ));
-                }
-                _ => said.push('.'),
-            }
-        }
-        if let Some(motion) = motion_px.filter(|motion| *motion > FOREIGN_PX) {
-            said.push_str(&format!(
-                " The motion of a pair is up to {} off at the corners: a large object, parallax or a motion that the model does not have, as a rotation for a translation, dominates it, so it is not \
-                 that of the background.",
-                px(motion)
-            ));
-        }
-        if let Some(empty) = empty.filter(|empty| *empty > MUCH_EMPTY) {
-            said.push_str(&format!(
-                " On average {} of the frames is empty; less smoothing or zoom helps.",
-                percent(empty)
-            ));
-        }
-        said.push_str(&unknown_pairs(&after.chain));
-        said.push_str(&bent_pairs(&after.chain));
-        if after.unsmoothed > 0 {
-            said.push_str(&format!(" Without a smoothed place: {}.", words::counted(after.unsmoothed, "frame")));
-        }
-        said
     }
 
-    fn readouts(&self, seen: &Seen<Self>, event: &Event) -> Vec<Readout> {
-        let (state, chain) = (seen.before, chain(seen));
-        let mut readouts = Vec::new();
-        match event {
-            Event::Estimated(link) | Event::Chained(link) => {
-                let is_chained = matches!(event, Event::Chained(_));
-                readouts.push(Readout::Facts(chain_facts(&state.chain, link, is_chained)));
-                let mut all = vec![matrix("M", "motion of the pair", Role::Measured, &link.motion)];
-                if is_chained {
-                    all.push(matrix("P", "from the first frame", Role::Result, &link.after));
-                }
-                readouts.push(Readout::Matrices(all));
-                let shown = if is_chained { chain } else { &state.chain };
-                readouts.extend(path_series(shown, &[], seen.clip));
-            }
-            Event::Smoothed(stable) | Event::Warped(stable) => {
-                let index = state.corrections.len();
-                let place = mapped(&stable.correction, middle(chain.picture)).unwrap_or_default();
-                let facts = vec![
-                    Fact::new("Frame", (chain.span.first + index).to_string(), None),
-                    Fact::new("Smoothing σ", format!("{} frames", fixed(self.smoothing.into(), 1)), None),
-                    Fact::new(
-                        "Centre of the frame to",
-                        format!("({},\u{a0}{}) px", fixed(place[0], 2), fixed(place[1], 2)),
-                        Some(Role::Result),
-                    ),
-                    Fact::new("Empty", percent(stable.empty()), Some(Role::Rejected)),
-                ];
-                readouts.push(Readout::Facts(facts));
-                readouts.push(Readout::Equation(equation()));
-                let path = matrix("P", "from the first frame", Role::Measured, &chain.to_frames[index]);
-                readouts.push(Readout::Matrices(vec![
-                    path,
-                    matrix("S", "to the stabilised frame", Role::Result, &stable.correction),
-                ]));
-                let corrections = [&state.corrections[..], &[stable.correction]].concat();
-                readouts.extend(path_series(chain, &corrections, seen.clip));
-            }
-        }
-        readouts
+    /// A step of a frame with its numbers, its maps and the path.
+    fn frame_step(&self, line: Name, seen: &Seen<Self>, stable: &Stable) -> Step {
+        let (chain, index) = (&seen.before.chain, seen.before.corrections.len());
+        let center = mapped(&stable.correction, middle(chain.picture)).unwrap_or([f64::NAN; 2]);
+        let matrices = vec![
+            matrix("P", "from the first frame", Role::Measured, &chain.to_frames[index]),
+            matrix("S", "to the stabilised frame", Role::Result, &stable.correction),
+        ];
+        let corrections = [&seen.before.corrections[..], &[stable.correction]].concat();
+        let step = Step::at(line).fact(path::FRAME, chain.span.first + index).fact(value::SMOOTHING, self.smoothing);
+        let step = step.fact(value::CENTER, center).fact(value::EMPTY, 100.0 * stable.empty());
+        let step = step.put(value::SHIFT, displacement(&stable.correction, chain.picture));
+        let step = step.formula(r"S(t) = \sum_k w(k) \, P(t + k) \, P(t)^{-1}").show(Readout::Matrices(matrices));
+        step.show_all(path_series(chain, &corrections, seen.clip))
     }
 
     pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
@@ -211,35 +123,46 @@ impl Stabilization {
     }
 }
 
-/// S(t) in symbols.
-fn equation() -> Vec<Math> {
-    vec![Math::Row(vec![
-        Math::Var("S"),
-        Math::text("(t) = "),
-        Math::Sum(Box::new(Math::Var("k"))),
-        Math::text(" "),
-        Math::Var("w"),
-        Math::text("(k) "),
-        Math::Var("P"),
-        Math::text("(t + k) "),
-        Math::power(Math::Row(vec![Math::Var("P"), Math::text("(t)")]), Math::text("−1")),
-    ])]
+/// The conclusion of the run.
+fn concluded(step: Step, seen: &Seen<Stabilization>, after: &State) -> Step {
+    let PathErrors { before_px, after_px, drift_px, motion_px, residual_px, empty } =
+        match after.chain.field(&after.corrections, Views::None).errors(seen.clip) {
+            Ok(errors) => errors,
+            Err(error) => return step.put(path::READ_ERROR, error.to_string()).say(case::UNKNOWN_ERRORS),
+        };
+    let step = match before_px.zip(after_px) {
+        None => step.say(case::TOO_SHORT),
+        Some((before, left)) => {
+            let is_shaky = left > SUPPRESSED * before && before > 0.1;
+            let step = step.put(value::JITTER_BEFORE, before).put(value::JITTER, left).say(case::JITTER);
+            step.say_if(is_shaky, case::MORE_SMOOTHING)
+        }
+    };
+    let step = match (residual_px, drift_px.filter(|drift| drift.is_finite())) {
+        (None, _) => step,
+        (Some(residual), None) => step.put(value::TRUE_JITTER, residual).say(case::BY_TRUTH).say(case::END),
+        (Some(residual), Some(drift)) => {
+            let step = step.put(value::TRUE_JITTER, residual).put(path::DRIFT, drift);
+            step.say(case::BY_TRUTH).say(case::DRIFT)
+        }
+    };
+    let step = match motion_px.filter(|motion| *motion > FOREIGN_PX) {
+        Some(motion) => step.put(value::MOTION_ERROR, motion).say(case::FOREIGN),
+        None => step,
+    };
+    let step = match empty.filter(|empty| *empty > MUCH_EMPTY) {
+        Some(empty) => step.put(value::MEAN_EMPTY, 100.0 * empty).say(case::MUCH_EMPTY),
+        None => step,
+    };
+    let step = conclude(step, &after.chain).put(value::UNSMOOTHED, after.unsmoothed);
+    step.say_if(after.unsmoothed > 0, case::UNSMOOTHED)
 }
 
-/// The part of the frame that the stabilised one shows, and the middle of the frame in it.
+/// The part of the frame that the stabilised one shows, and the outline of the frame in it.
 fn draw_kept(stable: &Stable, scene: &mut Scene) {
-    let (width, height) = stable.frame.size();
-    let [right, bottom] = [(width - 1) as f64, (height - 1) as f64];
-    let corners = [[0.0, 0.0], [right, 0.0], [right, bottom], [0.0, bottom]];
-    let outline = |map: &Matrix3| -> Option<Vec<[f32; 2]>> {
-        corners.iter().map(|at| mapped(map, *at).map(|to| to.map(|c| c as f32))).collect()
-    };
-    if let Some(points) = inverse(&stable.correction).as_ref().and_then(outline) {
-        scene.mark(Picture::CURRENT, Role::Result, Shape::Path { points, closed: true });
-        scene.legend(Role::Result, "field of view of the stabilised frame");
-    }
-    if let Some(points) = outline(&stable.correction) {
-        scene.mark(Picture::warped(0), Role::Window, Shape::Path { points, closed: true });
-        scene.legend(Role::Window, "outline of frame t");
-    }
+    let outline = |map| outline(map, stable.frame.size());
+    let back = inverse(&stable.correction);
+    let meaning = "field of view of the stabilised frame";
+    draw_outline(scene, Picture::CURRENT, (Role::Result, meaning), back.as_ref().and_then(outline));
+    draw_outline(scene, Picture::warped(0), (Role::Window, "outline of frame t"), outline(&stable.correction));
 }
