@@ -31,11 +31,17 @@ pub fn further_digits(is_true: impl FnMut(&usize) -> bool) -> usize {
     (0..MOST).find(is_true).unwrap_or(MOST)
 }
 
+/// The further digits with which the terms of a sum, written with this many decimals, give the sum as it is written.
+pub fn further_digits_of_sum(terms: &[f64], decimals: usize) -> usize {
+    let sum = fixed(terms.iter().sum(), decimals);
+    let written = |further: &usize| terms.iter().map(|term| rounded(*term, decimals + further)).sum();
+    further_digits(|further| fixed(written(further), decimals) == sum)
+}
+
 /// The terms of a sum that is written with this many decimals, with the further digits that make it true: the first alone, the others
 /// with their sign before them.
 pub fn summands<const N: usize>(terms: [f64; N], decimals: usize) -> [String; N] {
-    let sum = |terms: [f64; N]| fixed(terms.iter().sum(), decimals);
-    let further = further_digits(|further| sum(terms.map(|term| rounded(term, decimals + further))) == sum(terms));
+    let further = further_digits_of_sum(&terms, decimals);
     std::array::from_fn(|i| match (i, fixed(terms[i], decimals + further)) {
         (0, term) => term,
         (_, term) => match term.strip_prefix('−') {

@@ -7,12 +7,14 @@ use std::sync::Arc;
 use crate::base::Observer;
 use crate::data::{Clip, Frame};
 use crate::geometry::polygon;
-use crate::methods::contour::{self, Edges, Fit, Force, Model, Pentadiagonal, Point, Snake, Verdict};
-use crate::methods::region::{At, Ending, Explained, LOST, WHERE};
+use crate::methods::contour::{Edges, Fit, Force, Model, Pentadiagonal, Point, Snake, Verdict};
+use crate::methods::region::{LOST, WHERE};
 use crate::products::Region;
 use crate::run::{Info, Need};
-use crate::scene::{Chart, Fact, Name, Question, Readout, Reply, Scene, Sentence};
+use crate::scene::{Chart, Name, Question, Reply};
 use crate::{choices, params, pseudocode};
+
+use explain::case;
 
 choices! {
     /// External force on the contour.
@@ -97,6 +99,7 @@ pub struct Iteration {
     after: Vec<Point>,
     /// The mean displacement in px.
     moved: f64,
+    has_converged: bool,
 }
 
 /// An event of a frame.
@@ -180,6 +183,7 @@ impl ActiveContour {
             system.solve(&mut next);
             next.iter_mut().for_each(|at| *at = field.edges.nearest(*at));
             let moved = mean_distance(&points, &next);
+            let has_converged = moved < f64::from(self.epsilon);
             observer.see(|| {
                 Event::Iterated(Arc::new(Iteration {
                     number,
@@ -187,10 +191,11 @@ impl ActiveContour {
                     before: points.clone(),
                     after: next.clone(),
                     moved,
+                    has_converged,
                 }))
             });
             std::mem::swap(&mut points, &mut next);
-            if moved < f64::from(self.epsilon) {
+            if has_converged {
                 break;
             }
         }
@@ -233,12 +238,8 @@ impl Fit for ActiveContour {
             "forces",
             "Which force is larger in the next iteration?",
             &[
-                Reply::says(
-                    line::SOLVE,
-                    "elasticity and rigidity pull harder",
-                    "The internal one: elasticity and rigidity",
-                ),
-                Reply::says(line::SOLVE, "the edges pull harder", "The external one: the edges"),
+                Reply::told(line::SOLVE, case::INTERNAL, "The internal one: elasticity and rigidity"),
+                Reply::told(line::SOLVE, case::EXTERNAL, "The external one: the edges"),
             ],
         ),
         LOST,
@@ -287,47 +288,5 @@ impl Fit for ActiveContour {
             Event::Iterated(_) => line::SOLVE,
             Event::Judged(..) => line::JUDGE,
         }
-    }
-}
-
-/// The judgement of the frame, once it is there.
-fn verdict<'a>(at: &'a At<'_, ActiveContour>) -> Option<&'a Verdict> {
-    match at.event {
-        Event::Judged(_, _, verdict) => Some(verdict),
-        _ => None,
-    }
-}
-
-impl Explained for ActiveContour {
-    fn sentence(&self, at: &At<'_, Self>) -> Sentence {
-        self.said(at)
-    }
-
-    fn facts(&self, at: &At<'_, Self>) -> Vec<Fact> {
-        explain::facts(self, at)
-    }
-
-    fn readouts(&self, at: &At<'_, Self>) -> Vec<Readout> {
-        self.shown(at)
-    }
-
-    fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
-        explain::draw(at, scene);
-    }
-
-    fn draw_result(&self, model: &Model, scene: &mut Scene) {
-        contour::explain::result(scene, model);
-    }
-
-    fn loss(&self, at: &At<'_, Self>) -> Option<String> {
-        contour::explain::loss(verdict(at)?).map(String::from)
-    }
-
-    fn advice(&self, ending: Ending, at: &At<'_, Self>) -> String {
-        let reach = match self.force {
-            External::Gradient => "Gradient vector flow or a larger σ reaches farther; a velocity is not predicted.",
-            External::Flow => "A velocity is not predicted.",
-        };
-        contour::explain::advice(ending, verdict(at), reach)
     }
 }

@@ -5,18 +5,19 @@ mod level_set;
 
 use std::sync::Arc;
 
-use crate::base::words::fixed;
 use crate::base::{Error, Observer, effort};
-use crate::data::{Clip, Connectivity, Frame, Labelling, Mask, PackedMask};
+use crate::data::{Clip, Frame, Mask, PackedMask};
 use crate::geometry::{Bounds, Gray, Grid};
+use crate::methods::contour::explain::value as shared;
 use crate::methods::contour::{LEAST_AREA_PX, Placement, filled};
 use crate::methods::region::{LOST, RegionModel, Settings, Similarity, WHERE};
 use crate::products::{MaskField, Product, ProductKind, Region, RegionField, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Chart, Name, Question, Reading};
+use crate::scene::{Chart, Name, Question, Sentence};
 use crate::{params, pseudocode};
 
-use level_set::{Energy, Weights, energy, evolved, means, signed_distance};
+use explain::{case, value};
+use level_set::{Energy, Weights, changed, energy, evolved, largest, means, signed_distance};
 
 params! {
     /// Active contour without edges (Chan–Vese).
@@ -102,6 +103,19 @@ pub struct Iteration {
     is_still: bool,
 }
 
+/// Why the object of a frame is lost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Loss {
+    /// Its area is too small.
+    Collapsed,
+    /// The inside fills the window.
+    Full,
+    /// Both means are alike.
+    Alike,
+    /// Its area changed too much from this many px².
+    Spread(usize),
+}
+
 /// The judgement of the object of a frame.
 pub struct Judged {
     field: Arc<Field>,
@@ -110,11 +124,10 @@ pub struct Judged {
     object: Mask,
     /// Number of its pixels, and of all inside.
     area: [usize; 2],
-    /// Area of the object in the frame before, where there was one.
-    before: Option<usize>,
     /// Difference of both means in gray levels.
     contrast: f32,
-    is_lost: bool,
+    /// Why the object is lost, if it is.
+    loss: Option<Loss>,
 }
 
 /// The object of the last frame.
@@ -135,37 +148,6 @@ pub enum Event {
     Iterated(Arc<Iteration>),
     /// The judgement of the object.
     Judged(Arc<Judged>),
-}
-
-/// The number of pixels that are on another side.
-fn changed(before: &Grid<f32>, after: &Grid<f32>) -> usize {
-    before.cells().iter().zip(after.cells()).filter(|(a, b)| (**a < 0.0) != (**b < 0.0)).count()
-}
-
-/// The largest connected part of the pixels with φ ≥ 0 in a picture, with its box and its number of pixels; nothing without such pixels.
-fn largest(phi: &Grid<f32>, origin: [usize; 2], picture: (usize, usize)) -> Option<(Mask, Bounds, usize)> {
-    let (width, height) = phi.size();
-    let inside = Mask::from_fn(width, height, |x, y| phi[(x, y)] >= 0.0);
-    let labelling = Labelling::of(&inside, Connectivity::Eight);
-    let finals = labelling.finals();
-    let mut areas = vec![0usize; finals.count as usize + 1];
-    let label = |provisional: u32| finals.labels[provisional as usize];
-    labelling.runs().iter().for_each(|run| areas[label(run.label) as usize] += (run.end - run.start) as usize);
-    // The first of equals.
-    let best = (1..areas.len()).rev().max_by_key(|label| areas[*label])?;
-    let (mut min, mut max) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
-    for run in labelling.runs().iter().filter(|run| label(run.label) as usize == best) {
-        let [x, y] = origin.map(|c| c as f32);
-        min = [min[0].min(x + run.start as f32 - 0.5), min[1].min(y + run.y as f32 - 0.5)];
-        max = [max[0].max(x + run.end as f32 - 0.5), max[1].max(y + run.y as f32 + 0.5)];
-    }
-    let labels = finals.grid(&labelling, (width, height));
-    let is_object = |x: usize, y: usize| {
-        let at = (x.checked_sub(origin[0])?, y.checked_sub(origin[1])?);
-        labels.get(at.0, at.1).map(|label| *label as usize == best)
-    };
-    let object = Mask::from_fn(picture.0, picture.1, |x, y| is_object(x, y).unwrap_or(false));
-    Some((object, Bounds { min, max }, areas[best]))
 }
 
 impl ChanVese {
@@ -215,16 +197,19 @@ impl ChanVese {
         let none = || (Mask::new(picture.0, picture.1), Bounds { min: [0.0; 2], max: [0.0; 2] }, 0);
         let (object, bounds, area) = largest(phi, field.origin, picture).unwrap_or_else(none);
         let contrast = field.contrast(means(phi, &field.levels));
-        let growth = before.map_or(1.0, |before| {
+        let growth = |before: usize| {
             let [a, b] = [area, before].map(|area| area.max(1) as f64);
             (a / b).max(b / a)
-        });
-        let is_lost = (area as f64) < LEAST_AREA_PX
-            || all == phi.cells().len()
-            || contrast < self.min_contrast
-            || growth > f64::from(self.max_growth);
+        };
+        let spread = before.filter(|before| growth(*before) > f64::from(self.max_growth));
+        let loss = match spread {
+            _ if (area as f64) < LEAST_AREA_PX => Some(Loss::Collapsed),
+            _ if all == phi.cells().len() => Some(Loss::Full),
+            _ if contrast < self.min_contrast => Some(Loss::Alike),
+            spread => spread.map(Loss::Spread),
+        };
         let (field, phi) = (Arc::clone(field), Arc::clone(phi));
-        (Judged { field, phi, object, area: [area, all], before, contrast, is_lost }, bounds)
+        (Judged { field, phi, object, area: [area, all], contrast, loss }, bounds)
     }
 
     /// Finds the object in a frame, from where it was before; `area` is that of the frame before, where there was one.
@@ -240,7 +225,7 @@ impl ChanVese {
         observer.see(|| Event::Started(Arc::clone(&field), Arc::clone(&start)));
         let phi = self.evolve(&field, start, observer);
         let (judged, found) = self.judge((&field, &phi), frame.size(), area);
-        let (is_lost, similarity) = (judged.is_lost, judged.contrast);
+        let (is_lost, similarity) = (judged.loss.is_some(), judged.contrast);
         let model = match is_lost {
             true => Model {
                 object: PackedMask::new(before),
@@ -283,12 +268,8 @@ impl RegionModel for ChanVese {
     };
     const QUESTIONS: &'static [Question] = &[
         WHERE,
-        Question::number(
-            "changed",
-            "How many pixels change sides in the next iteration?",
-            Reading { line: line::EVOLVE, after: "", before: " pixels changed sides", unit: "pixels" },
-        )
-        .after_first_unit(),
+        Question::value("changed", "How many pixels change sides in the next iteration?", line::EVOLVE, value::CHANGED)
+            .after_first_unit(),
         LOST,
     ];
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
@@ -311,15 +292,10 @@ impl RegionModel for ChanVese {
         self.placement.placed(picture)
     }
 
-    fn refusal(&self, frame: &Frame, region: Region) -> Option<String> {
+    fn refuse(&self, frame: &Frame, region: Region) -> Option<Sentence> {
         let [low, high] = Field::around(frame.luma(), region.bounds(), self.margin).range;
-        (high - low < LEAST_LEVELS).then(|| {
-            format!(
-                "the gray levels in the window around it differ by {} at most, less than {}, so there are no two regions with different means.",
-                fixed((high - low).into(), 0),
-                fixed(LEAST_LEVELS.into(), 0)
-            )
-        })
+        let limits = [shared::GRAY_RANGE.is(high - low), shared::LEAST_GRAY_RANGE.is(LEAST_LEVELS)];
+        (high - low < LEAST_LEVELS).then(|| Sentence::default().say(case::ALIKE, &limits))
     }
 
     fn begin(&self, frame: &Arc<Frame>, region: Region, observer: &mut impl Observer<Event>) -> (Model, f32) {

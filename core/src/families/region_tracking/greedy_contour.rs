@@ -1,18 +1,21 @@
 //! The greedy active contour: one point after the other moves to the pixel of its neighbourhood with the lowest energy.
 
+mod curve;
 mod explain;
 
 use std::sync::Arc;
 
 use crate::base::Observer;
 use crate::data::{Clip, Frame};
-use crate::geometry::polygon;
-use crate::methods::contour::{self, Edges, Fit, Model, Point, Snake, Verdict};
-use crate::methods::region::{At, Ending, Explained, LOST, WHERE};
+use crate::methods::contour::{Edges, Fit, Model, Point, Snake, Verdict};
+use crate::methods::region::{LOST, WHERE};
 use crate::products::Region;
 use crate::run::{Info, Need};
-use crate::scene::{Chart, Fact, Name, Question, Readout, Reply, Scene, Sentence};
+use crate::scene::{Chart, Name, Question, Reply};
 use crate::{params, pseudocode};
+
+use curve::{Curve, Site, apart};
+use explain::case;
 
 params! {
     /// Greedy active contour.
@@ -65,18 +68,6 @@ impl Terms {
     }
 }
 
-/// A point and all that the energies of its neighbourhood depend on.
-#[derive(Clone, Copy)]
-struct Site {
-    at: Point,
-    /// The points before and after it.
-    neighbors: [Point; 2],
-    /// The mean distance of neighbouring points in px.
-    distance: f64,
-    /// Whether the point is a corner, where curvature does not count.
-    is_corner: bool,
-}
-
 /// A point that is moved or stays.
 #[derive(Clone)]
 pub struct Test {
@@ -104,6 +95,7 @@ pub struct Pass {
     corners: Vec<usize>,
     /// The energies at the pixels that were chosen, summed over all points.
     sums: Terms,
+    has_converged: bool,
 }
 
 /// An event of a frame.
@@ -117,47 +109,6 @@ pub enum Event {
     Passed(Arc<Pass>),
     /// The judgement of the fit.
     Judged(Arc<Edges>, Arc<[Point]>, Verdict),
-}
-
-/// The contour in an iteration.
-struct Curve<'a> {
-    edges: &'a Edges,
-    points: Vec<Point>,
-    is_corner: Vec<bool>,
-    /// The mean distance of neighbouring points.
-    distance: f64,
-}
-
-fn apart(a: Point, b: Point) -> f64 {
-    (b[0] - a[0]).hypot(b[1] - a[1])
-}
-
-impl Curve<'_> {
-    fn neighbors(&self, index: usize) -> [Point; 2] {
-        let count = self.points.len();
-        [self.points[(index + count - 1) % count], self.points[(index + 1) % count]]
-    }
-
-    fn site(&self, index: usize) -> Site {
-        let is_corner = self.is_corner[index];
-        Site { at: self.points[index], neighbors: self.neighbors(index), distance: self.distance, is_corner }
-    }
-
-    /// The mean distance of neighbouring points.
-    fn mean_distance(&self) -> f64 {
-        polygon::length(&self.points) / self.points.len() as f64
-    }
-
-    /// The squared length of the change of direction at a point, of unit vectors along both edges.
-    fn turn(&self, index: usize) -> f64 {
-        let (at, [before, after]) = (self.points[index], self.neighbors(index));
-        let direction = |a: Point, b: Point| {
-            let length = apart(a, b);
-            if length > 0.0 { [0, 1].map(|k| (b[k] - a[k]) / length) } else { [0.0; 2] }
-        };
-        let (first, second) = (direction(before, at), direction(at, after));
-        (second[0] - first[0]).powi(2) + (second[1] - first[1]).powi(2)
-    }
 }
 
 impl GreedyContour {
@@ -262,6 +213,7 @@ impl GreedyContour {
         curve.distance = curve.mean_distance();
         for number in 1..=self.iterations {
             let (moved, sums) = self.pass((&mut curve, number), edges, observer);
+            let has_converged = moved <= self.max_moved;
             self.find_corners(&mut curve);
             curve.distance = curve.mean_distance();
             observer.see(|| {
@@ -273,9 +225,10 @@ impl GreedyContour {
                     distance: curve.distance,
                     corners: (0..curve.points.len()).filter(|i| curve.is_corner[*i]).collect(),
                     sums,
+                    has_converged,
                 }))
             });
-            if moved <= self.max_moved {
+            if has_converged {
                 break;
             }
         }
@@ -313,8 +266,8 @@ impl Fit for GreedyContour {
             "moves",
             "Does the next point move?",
             &[
-                Reply::says(line::MOVE_POINT, "The point moves there", "Yes"),
-                Reply::says(line::MOVE_POINT, "It is the present one", "No: its pixel has the lowest energy"),
+                Reply::told(line::MOVE_POINT, case::MOVES, "Yes"),
+                Reply::told(line::MOVE_POINT, case::STAYS, "No: its pixel has the lowest energy"),
             ],
         ),
         LOST,
@@ -356,44 +309,5 @@ impl Fit for GreedyContour {
             Event::Passed(_) => line::FIND_CORNERS,
             Event::Judged(..) => line::JUDGE,
         }
-    }
-}
-
-/// The judgement of the frame, once it is there.
-fn verdict<'a>(at: &'a At<'_, GreedyContour>) -> Option<&'a Verdict> {
-    match at.event {
-        Event::Judged(_, _, verdict) => Some(verdict),
-        _ => None,
-    }
-}
-
-impl Explained for GreedyContour {
-    fn sentence(&self, at: &At<'_, Self>) -> Sentence {
-        self.said(at)
-    }
-
-    fn facts(&self, at: &At<'_, Self>) -> Vec<Fact> {
-        self.figures(at)
-    }
-
-    fn readouts(&self, at: &At<'_, Self>) -> Vec<Readout> {
-        self.shown(at)
-    }
-
-    fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
-        self.drawn(at, scene);
-    }
-
-    fn draw_result(&self, model: &Model, scene: &mut Scene) {
-        contour::explain::result(scene, model);
-    }
-
-    fn loss(&self, at: &At<'_, Self>) -> Option<String> {
-        contour::explain::loss(verdict(at)?).map(String::from)
-    }
-
-    fn advice(&self, ending: Ending, at: &At<'_, Self>) -> String {
-        let reach = "A larger σ blurs the edges so that they reach farther; mean shift needs no edges.";
-        contour::explain::advice(ending, verdict(at), reach)
     }
 }

@@ -1,108 +1,122 @@
 //! What all contours explain and draw alike.
 
 use super::{Edges, LEAST_AREA_PX, Model, Point, Verdict};
-use crate::base::words::{counted, fixed};
 use crate::geometry::Grid;
-use crate::methods::numbers::{gray, ratio};
+use crate::methods::region::vocabulary::value as region;
 use crate::methods::region::{Ending, Outcome};
-use crate::scene::{Arrow, Fact, Picture, Role, Scene, Sentence, Shape};
+use crate::scene::{Arrow, Case, Picture, Role, Scene, Shape, Step, Unit};
+use crate::{cases, variables};
 
 /// The distance of drawn arrows in px.
 const ARROWS_PX: usize = 6;
 
-/// An area as text.
-pub(crate) fn area(px2: f64) -> String {
-    format!("{} px²", fixed(px2, 0))
+/// An area.
+pub(crate) const AREA: Unit = Unit::new("px²", 0);
+
+variables! { pub(crate) mod value;
+    /// The width of the window in which edges are found.
+    WINDOW_WIDTH: "Width of the window", "", Unit::WHOLE;
+    /// The height of the window.
+    WINDOW_HEIGHT: "Height of the window", "", Unit::new("px", 0);
+    /// The standard deviation of the Gaussian that smooths the frame.
+    SIGMA: "Smoothing", r"\sigma", Unit::new("px", 1);
+    /// The largest gradient magnitude in the window.
+    STEEPEST: "Steepest gradient", "", Unit::new("gray levels/px", 2), Role::Measured;
+    /// The number of points of the contour.
+    POINTS: "Points", "", Unit::count("");
+    /// The number of the iteration in the frame.
+    ITERATION: "Iteration", "", Unit::WHOLE;
+    /// The mean edge strength along the contour.
+    EDGE_STRENGTH: "Mean edge strength", "f", Unit::RATIO, Role::Measured;
+    /// The mean edge strength below which the object is lost.
+    MIN_EDGE_STRENGTH: "Smallest edge strength", "", Unit::RATIO;
+    /// The area inside the contour, negative where it has turned inside out.
+    AREA: "Area", "", super::AREA;
+    /// The size of that area.
+    ENCLOSED: "Enclosed area", "", super::AREA;
+    /// The area below which the contour has collapsed.
+    LEAST_AREA: "Smallest area", "", super::AREA;
+    /// The range of the gray levels in the window.
+    GRAY_RANGE: "Range of gray levels", "", Unit::WHOLE;
+    /// The smallest range of gray levels with which a contour can be fitted.
+    LEAST_GRAY_RANGE: "Smallest range of gray levels", "", Unit::WHOLE;
 }
 
-/// How the edges of a frame were found.
-pub(crate) fn edges(said: Sentence, edges: &Edges, sigma_px: f32) -> Sentence {
+cases! { pub(crate) over value, region;
+    EDGES: "{measured|Edge strength f} in a window of {window_width}×{window_height} around the contour: the gradient magnitude after smoothing with \
+            σ = {sigma}, as a share of the steepest, {steepest}.",
+    WITHOUT_EDGES: "the gray levels in the window around it differ by {gray_range} at most, less than {least_gray_range}, and without an edge no force \
+                    acts on the contour.",
+    JUDGED: "The contour has a mean edge strength of {edge_strength} and encloses {enclosed}",
+    CROSSES: ", but it crosses itself and has no inside: edges inside the object or in the background drew its points past each other.",
+    INSIDE_OUT: ", but it has turned inside out.",
+    COLLAPSED: ", less than {least_area}: it has collapsed.",
+    OFF_EDGES: ". That is below {min_edge_strength}: on average its points do not lie on edges.",
+    ACCEPTED: ". That is not below {min_edge_strength}: it lies on edges, and the fit is accepted.",
+    LOST_CROSSED: ": the contour crosses itself",
+    LOST_INSIDE_OUT: ": the contour has turned inside out",
+    LOST_COLLAPSED: ": the contour has collapsed",
+    LOST_OFF_EDGES: ": its points do not lie on edges",
+    PATTERN: "Where a pattern has stronger edges than the outline, no weight helps; trackers of colours or texture follow patterned objects.",
+    FOLLOWED: "The edges held the contour, because they moved less from frame to frame than their force reaches. It knows neither colour nor texture: a \
+               stronger edge nearby would attract it.",
+    HIDDEN: "The object was hidden in {hidden}, and a contour searches only where it was. A velocity is not predicted.",
+    FOLDED: "Edges inside the object or in the background drew the points past each other, so the contour folded.",
+    NOT_HELD: "No edge held the contour against its own elasticity, so it collapsed. A smaller α or a balloon pressure keeps it open.",
+    SHRUNK: "The contour slipped onto edges inside the object.",
+    GROWN: "The contour spread to edges of the background, which are stronger than the outline.",
+    REGAINED: "The contour left the object and met it again: it finds only what comes back to it. A velocity is not predicted.",
+    BESIDE: "A part of the contour lies on edges that are not the outline.",
+    OUTRUN: "The object moved farther between two frames than its edges attract, or other edges were nearer.",
+}
+
+/// Tells how the edges of a frame were found around a contour of so many points.
+pub(crate) fn edges(step: Step, edges: &Edges, (sigma_px, points): (f32, usize)) -> Step {
     let (width, height) = edges.strength.size();
-    said.ink(Role::Measured, "Edge strength f")
-        .text(format!(
-            " in a window of {width}×{height} px around the contour: the gradient magnitude after smoothing with σ = "
-        ))
-        .text(format!(
-            "{} px, as a share of the steepest, {} gray levels/px.",
-            fixed(sigma_px.into(), 1),
-            gray(edges.steepest)
-        ))
+    let step = step.put(value::WINDOW_WIDTH, width).put(value::WINDOW_HEIGHT, height).put(value::SIGMA, sigma_px);
+    step.fact(value::POINTS, points).fact(value::STEEPEST, edges.steepest).say(case::EDGES)
 }
 
-/// The judgement of a fit.
-pub(crate) fn judged(said: Sentence, verdict: &Verdict, min_edge: f32) -> Sentence {
-    let said = said
-        .text("The contour has a mean edge strength of ")
-        .ink(Role::Measured, ratio(verdict.strength.into()))
-        .text(format!(" and encloses {}", area(verdict.area.abs())));
-    if verdict.crosses {
-        said.text(", but it crosses itself and has no inside: edges inside the object or in the background drew its points past each other.")
-    } else if verdict.area <= -LEAST_AREA_PX {
-        said.text(", but it has turned inside out.")
-    } else if verdict.area < LEAST_AREA_PX {
-        said.text(format!(", less than {}: it has collapsed.", area(LEAST_AREA_PX)))
-    } else if verdict.is_lost {
-        said.text(format!(". That is below {}: on average its points do not lie on edges.", ratio(min_edge.into())))
-    } else {
-        said.text(format!(". That is not below {}: it lies on edges, and the fit is accepted.", ratio(min_edge.into())))
-    }
-}
-
-/// Why a fit is refused, as a clause.
-pub(crate) fn loss(verdict: &Verdict) -> Option<&'static str> {
+/// The judgement of a fit, and as the reason of a loss.
+fn judgement(verdict: &Verdict) -> (&'static Case, Option<&'static Case>) {
     match verdict {
-        _ if !verdict.is_lost => None,
-        _ if verdict.crosses => Some("the contour crosses itself"),
-        _ if verdict.area <= -LEAST_AREA_PX => Some("the contour has turned inside out"),
-        _ if verdict.area < LEAST_AREA_PX => Some("the contour has collapsed"),
-        _ => Some("its points do not lie on edges"),
+        _ if verdict.crosses => (case::CROSSES, Some(case::LOST_CROSSED)),
+        _ if verdict.area <= -LEAST_AREA_PX => (case::INSIDE_OUT, Some(case::LOST_INSIDE_OUT)),
+        _ if verdict.area < LEAST_AREA_PX => (case::COLLAPSED, Some(case::LOST_COLLAPSED)),
+        _ if verdict.is_lost => (case::OFF_EDGES, Some(case::LOST_OFF_EDGES)),
+        _ => (case::ACCEPTED, None),
     }
 }
 
-/// What a patterned object does to a contour, and what helps.
-const PATTERN: &str = "Where a pattern has stronger edges than the outline, no weight helps; trackers of colours or texture follow patterned \
-                       objects.";
+/// Tells the judgement of a fit.
+pub(crate) fn judged(step: Step, verdict: &Verdict, min_edge_strength: f32) -> Step {
+    let step = step.fact(value::EDGE_STRENGTH, verdict.strength).fact(value::AREA, verdict.area);
+    let step = step.put(value::ENCLOSED, verdict.area.abs()).put(value::LEAST_AREA, LEAST_AREA_PX);
+    step.put(value::MIN_EDGE_STRENGTH, min_edge_strength).say(case::JUDGED).say(judgement(verdict).0)
+}
 
-/// The lesson of a run with its last judgement; `reach` says what reaches farther.
-pub(crate) fn advice(ending: Ending, verdict: Option<&Verdict>, reach: &str) -> String {
-    match (ending.outcome, verdict) {
-        (Outcome::Followed, _) => {
-            "The edges held the contour, because they moved less from frame to frame than their force reaches. It knows neither colour \
-             nor texture: a stronger edge nearby would attract it."
-                .into()
-        }
-        (Outcome::Lost, _) if ending.hidden > 0 => {
-            format!(
-                "The object was hidden in {}, and a contour searches only where it was. A velocity is not predicted.",
-                counted(ending.hidden, "frame")
-            )
-        }
-        (_, Some(verdict)) if verdict.crosses => {
-            format!("Edges inside the object or in the background drew the points past each other, so the contour folded. {PATTERN}")
-        }
-        (_, Some(verdict)) if verdict.area.abs() < LEAST_AREA_PX => {
-            "No edge held the contour against its own elasticity, so it collapsed. A smaller α or a balloon pressure keeps it open.".into()
-        }
-        (Outcome::Shrunk, _) => format!("The contour slipped onto edges inside the object. {PATTERN}"),
-        (Outcome::Grown, _) => "The contour spread to edges of the background, which are stronger than the outline.".into(),
-        (Outcome::Regained, _) => {
-            "The contour left the object and met it again: it finds only what comes back to it. A velocity is not predicted.".into()
-        }
-        (Outcome::Beside | Outcome::Unknown, _) => {
-            format!("A part of the contour lies on edges that are not the outline. {PATTERN}")
-        }
-        (Outcome::Lost, _) => {
-            format!("The object moved farther between two frames than its edges attract, or other edges were nearer. {reach} {PATTERN}")
-        }
+/// Tells why a fit is refused, if it is.
+pub(crate) fn loss(step: Step, verdict: Option<&Verdict>) -> Step {
+    match verdict.and_then(|verdict| judgement(verdict).1) {
+        Some(why) => step.say(why),
+        None => step,
     }
 }
 
-/// The numbers of a judgement.
-pub(crate) fn verdict_facts(verdict: &Verdict) -> Vec<Fact> {
-    vec![
-        Fact::new("Mean edge strength", ratio(verdict.strength.into()), Some(Role::Measured)),
-        Fact::new("Area", area(verdict.area), None),
-    ]
+/// Tells the lesson of a run with its last judgement; `reach` says what reaches farther.
+pub(crate) fn advice(step: Step, ending: Ending, (verdict, reach): (Option<&Verdict>, &'static Case)) -> Step {
+    let told: &[&'static Case] = match (ending.outcome, verdict) {
+        (Outcome::Followed, _) => &[case::FOLLOWED],
+        (Outcome::Lost, _) if ending.hidden > 0 => &[case::HIDDEN],
+        (_, Some(verdict)) if verdict.crosses => &[case::FOLDED, case::PATTERN],
+        (_, Some(verdict)) if verdict.area.abs() < LEAST_AREA_PX => &[case::NOT_HELD],
+        (Outcome::Shrunk, _) => &[case::SHRUNK, case::PATTERN],
+        (Outcome::Grown, _) => &[case::GROWN],
+        (Outcome::Regained, _) => &[case::REGAINED],
+        (Outcome::Beside | Outcome::Unknown, _) => &[case::BESIDE, case::PATTERN],
+        (Outcome::Lost, _) => &[case::OUTRUN, reach, case::PATTERN],
+    };
+    told.iter().fold(step, |step, case| step.say(case))
 }
 
 /// Points as those of a mark.

@@ -10,7 +10,7 @@ use crate::methods::region::{RegionModel, Settings, Similarity};
 use crate::params::Params;
 use crate::products::{MaskField, Product, ProductKind, Region, RegionField, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Chart, Name, Question};
+use crate::scene::{Chart, Name, Question, Sentence};
 
 /// A closed curve of points that is fitted to the edges of each frame, from where it was in the frame before.
 pub trait Fit: Params + Default + Clone + Send + Sync + 'static {
@@ -62,8 +62,8 @@ impl<T: Fit> RegionModel for T {
         self.snake().placement.placed(picture)
     }
 
-    fn refusal(&self, frame: &Frame, region: Region) -> Option<String> {
-        self.snake().refusal(frame, region)
+    fn refuse(&self, frame: &Frame, region: Region) -> Option<Sentence> {
+        self.snake().refuse(frame, region)
     }
 
     fn begin(&self, frame: &Arc<Frame>, region: Region, observer: &mut impl Observer<T::Event>) -> (Model, f32) {

@@ -1,11 +1,12 @@
 //! What curves of points share: their parameters, their points, and whether a fit is accepted.
 
+use super::explain::{case, value};
 use super::{Edges, LEAST_AREA_PX, Placement, Point};
-use crate::base::words::fixed;
 use crate::data::Frame;
 use crate::geometry::polygon;
 use crate::params;
 use crate::products::Region;
+use crate::scene::Sentence;
 
 params! {
     /// The parameters of all contours that edges attract.
@@ -66,7 +67,7 @@ impl Snake {
     }
 
     /// Why the region of the first frame has no edge around it, if that is so.
-    pub(crate) fn refusal(&self, frame: &Frame, region: Region) -> Option<String> {
+    pub(crate) fn refuse(&self, frame: &Frame, region: Region) -> Option<Sentence> {
         let (luma, bounds) = (frame.luma(), region.bounds());
         let side = |i: usize, extent: usize| {
             let margin = self.margin as f32;
@@ -78,12 +79,8 @@ impl Snake {
         let [low, high] = levels.fold([u8::MAX, 0], |[low, high], level| [low.min(*level), high.max(*level)]);
         let range = high.saturating_sub(low);
         (range < LEAST_GRAY_RANGE).then(|| {
-            format!(
-                "the gray levels in the window around it differ by {} at most, less than {}, and without an edge no force acts on the \
-                 contour.",
-                fixed(range.into(), 0),
-                fixed(LEAST_GRAY_RANGE.into(), 0)
-            )
+            let limits = [value::GRAY_RANGE.is(range), value::LEAST_GRAY_RANGE.is(LEAST_GRAY_RANGE)];
+            Sentence::default().say(case::WITHOUT_EDGES, &limits)
         })
     }
 }

@@ -1,19 +1,64 @@
 //! The explanation and the drawing of the active contour.
 
-use super::{ActiveContour, At, Energy, Event, Field, Iteration, Point};
-use crate::base::words::{counted, fixed, summands};
+use super::{ActiveContour, Energy, Event, External, Field, Iteration, Point};
+use crate::base::words::further_digits_of_sum;
 use crate::geometry::polygon;
-use crate::methods::contour::explain;
-use crate::methods::numbers::{px, ratio};
-use crate::scene::{Fact, Math, Readout, Role, Scene, Sentence, Series};
+use crate::methods::contour::explain::{self, value as shared};
+use crate::methods::contour::{Model, Verdict};
+use crate::methods::numbers::RATIO_DECIMALS;
+use crate::methods::region::{At, Ending, Explained};
+use crate::scene::{Readout, Role, Scene, Series, Step, Unit};
+use crate::{cases, variables};
 
-/// The decimals of an energy or a force.
-const ENERGY_DECIMALS: usize = 3;
-
-/// An energy or a force as text.
-fn energy(value: f64) -> String {
-    fixed(value, ENERGY_DECIMALS)
+variables! {
+    /// The number of diffusion steps of gradient vector flow.
+    DIFFUSIONS: "Diffusion steps", "", Unit::count("diffusion step");
+    /// The regularisation of gradient vector flow.
+    MU: "Regularisation", r"\mu", Unit::FINE;
+    /// The mean length of the force at the points.
+    MEAN_FORCE: "Mean force at the points", "", Unit::RATIO, Role::Predicted;
+    /// The same before the diffusion.
+    MEAN_FORCE_BEFORE: "Mean force before", "", Unit::RATIO, Role::Predicted;
+    /// The mean displacement of the points in the iteration.
+    DISPLACEMENT: "Mean displacement", "", Unit::SUBPIXEL, Role::Estimate;
+    /// The mean displacement below which the contour has converged.
+    EPSILON: "Stopping criterion", r"\epsilon", Unit::SUBPIXEL;
+    /// The energy of the stretched contour.
+    ELASTIC: "Elastic energy", "", Unit::RATIO, Role::Predicted;
+    /// The energy of the bent contour.
+    BENDING: "Bending energy", "", Unit::RATIO, Role::Window;
+    /// The energy of the edges, low where they are strong.
+    EXTERNAL: "External energy", "", Unit::RATIO, Role::Measured;
+    /// The energy of the pressure inside.
+    BALLOON: "Balloon energy", "", Unit::RATIO, Role::Candidate;
+    /// The sum of the energies.
+    ENERGY: "Energy", "E", Unit::RATIO, Role::Estimate;
+    /// The length of the contour.
+    LENGTH: "Length", "", Unit::PX;
+    /// The mean length of the force of elasticity and rigidity.
+    INTERNAL_FORCE: "Internal force", "", Unit::RATIO;
+    /// The mean length of the force of edges and pressure.
+    EXTERNAL_FORCE: "External force", "", Unit::RATIO;
+    /// The sources of the external force.
+    SOURCES: "External forces", "", Unit::WHOLE;
 }
+
+cases! { pub(super) over value, shared;
+    EDGE_FORCE: "The external energy −κ f is low on edges, and its force κ ∇f acts near them. The contour has {points} points.",
+    DIFFUSED: "{diffusions} carry the force from the edges into flat parts of the window (gradient vector flow, μ = {mu}). Its mean length at the \
+               points goes from {mean_force_before} to {mean_force}.",
+    ITERATED: "Iteration {iteration}: the solution of (A + γ I) v = γ v + F moves the points by {displacement} on average, to a total energy of {energy}.",
+    CONVERGED: "Less than ε = {epsilon}: converged. Internal and external forces balance.",
+    EXHAUSTED: "It has not converged (ε = {epsilon}), but this is the maximum number of iterations.",
+    FORCES: "Mean external force {external_force}, internal {internal_force}:",
+    EXTERNAL: "{sources} pull harder than elasticity and rigidity.",
+    INTERNAL: "elasticity and rigidity pull harder than {sources}.",
+    FARTHER: "Gradient vector flow or a larger σ reaches farther; a velocity is not predicted.",
+    NO_VELOCITY: "A velocity is not predicted.",
+}
+
+/// The energy of a contour by its parts.
+const ENERGY: &str = r"E = \frac{\alpha}{2} \sum_i |v_{i+1} - v_i|^2 + \frac{\beta}{2} \sum_i |v_{i-1} - 2 \, v_i + v_{i+1}|^2 - \kappa \sum_i f(v_i) - p \text{ area}";
 
 /// The mean length of the force at points, in 1/px.
 fn mean_force(field: &Field, points: &[Point]) -> f64 {
@@ -21,66 +66,97 @@ fn mean_force(field: &Field, points: &[Point]) -> f64 {
     each.map(|force| force[0].hypot(force[1])).sum::<f64>() / points.len() as f64
 }
 
-impl ActiveContour {
-    pub(super) fn said(&self, at: &At<'_, Self>) -> Sentence {
-        let said = Sentence::default();
-        match at.event {
-            Event::Edges(field, points) => explain::edges(said, &field.edges, self.snake.sigma).text(format!(
-                " The external energy −κ f is low on edges, and its force κ ∇f acts near them. The contour has {}.",
-                counted(points.len(), "point")
-            )),
-            Event::Diffused([before, after], points) => said
-                .text(format!(
-                    "{} carry the force from the edges into flat parts of the window (gradient vector flow, μ = {}). Its mean length at the \
-                     points goes from ",
-                    counted(self.diffusions, "diffusion step"),
-                    fixed(self.mu.into(), 2)
-                ))
-                .ink(Role::Predicted, energy(mean_force(before, points)))
-                .text(" to ")
-                .ink(Role::Predicted, energy(mean_force(after, points)))
-                .text("."),
-            Event::Iterated(iteration) => self.iterated(iteration, said),
-            Event::Judged(_, _, verdict) => explain::judged(said, verdict, self.snake.min_edge_strength),
-        }
+/// The judgement of the frame, once it is there.
+fn verdict<'a>(at: &'a At<'_, ActiveContour>) -> Option<&'a Verdict> {
+    match at.event {
+        Event::Judged(_, _, verdict) => Some(verdict),
+        _ => None,
     }
+}
 
-    fn iterated(&self, iteration: &Iteration, said: Sentence) -> Sentence {
-        let [internal, external] = self.mean_forces(iteration);
-        let outer = if self.balloon == 0.0 { "the edges" } else { "the edges and the pressure" };
-        let why = if external > internal {
-            format!("{outer} pull harder than elasticity and rigidity")
-        } else {
-            format!("elasticity and rigidity pull harder than {outer}")
-        };
-        let said = said
-            .text(format!("Iteration {}: the solution of (A + γ I) v = γ v + F moves the points by ", iteration.number))
-            .ink(Role::Estimate, format!("{} px", ratio(iteration.moved)))
-            .text(format!(" on average, to a total energy of {}.", energy(self.energy(iteration).total())));
-        if iteration.moved < f64::from(self.epsilon) {
-            said.text(format!(
-                " Less than ε = {} px: converged. Internal and external forces balance.",
-                ratio(self.epsilon.into())
-            ))
-        } else if iteration.number == self.iterations {
-            said.text(format!(
-                " It has not converged (ε = {} px), but this is the maximum number of iterations.",
-                ratio(self.epsilon.into())
-            ))
-        } else {
-            said.text(format!(" Mean external force {}, internal {}: {why}.", energy(external), energy(internal)))
-        }
-    }
-
-    pub(super) fn shown(&self, at: &At<'_, Self>) -> Vec<Readout> {
+impl Explained for ActiveContour {
+    fn step(&self, at: &At<'_, Self>, step: Step) -> Step {
         match at.event {
-            Event::Edges(..) => vec![Readout::Equation(vec![formula_of_energy()])],
-            Event::Diffused(..) => Vec::new(),
-            Event::Iterated(iteration) => {
-                vec![Readout::Equation(vec![formula_of_energy(), numbers(&self.energy(iteration))]), self.energies(at)]
+            Event::Edges(field, points) => {
+                let step = explain::edges(step, &field.edges, (self.snake.sigma, points.len()));
+                step.fact(value::MEAN_FORCE, mean_force(field, points)).say(case::EDGE_FORCE).formula(ENERGY)
             }
-            Event::Judged(..) => vec![self.energies(at)],
+            Event::Diffused([before, after], points) => {
+                let step = step.put(value::DIFFUSIONS, self.diffusions).put(value::MU, self.mu);
+                let step = step.put(value::MEAN_FORCE_BEFORE, mean_force(before, points));
+                let step = step.fact(shared::POINTS, points.len());
+                step.fact(value::MEAN_FORCE, mean_force(after, points)).say(case::DIFFUSED)
+            }
+            Event::Iterated(iteration) => self.iterated(step, iteration).show(self.energies(at)),
+            Event::Judged(_, _, verdict) => {
+                explain::judged(step, verdict, self.snake.min_edge_strength).show(self.energies(at))
+            }
         }
+    }
+
+    fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
+        let (field, points) = match at.event {
+            Event::Edges(field, points) | Event::Diffused([_, field], points) | Event::Judged(field, points, _) => {
+                (field, &points[..])
+            }
+            Event::Iterated(iteration) => (&iteration.field, &iteration.after[..]),
+        };
+        explain::heat(scene, "f", (field.edges.origin, &field.edges.strength));
+        match at.event {
+            Event::Edges(..) | Event::Diffused(..) => {
+                explain::arrows(scene, field.edges.origin, &field.force.values);
+            }
+            Event::Iterated(iteration) => {
+                explain::contour(scene, (Role::Rejected, "contour before the iteration"), &iteration.before);
+            }
+            Event::Judged(..) => {}
+        }
+        explain::contour(scene, (Role::Best, "contour"), points);
+        explain::dots(scene, Role::Best, points);
+    }
+
+    fn draw_result(&self, model: &Model, scene: &mut Scene) {
+        explain::result(scene, model);
+    }
+
+    fn tell_loss(&self, at: &At<'_, Self>, step: Step) -> Step {
+        explain::loss(step, verdict(at))
+    }
+
+    fn advise(&self, ending: Ending, at: &At<'_, Self>, step: Step) -> Step {
+        let reach = match self.force {
+            External::Gradient => case::FARTHER,
+            External::Flow => case::NO_VELOCITY,
+        };
+        explain::advice(step, ending, (verdict(at), reach))
+    }
+}
+
+impl ActiveContour {
+    fn iterated(&self, step: Step, iteration: &Iteration) -> Step {
+        let energy = self.energy(iteration);
+        let Energy { elastic, bending, external, balloon } = energy;
+        let [internal_force, external_force] = self.mean_forces(iteration);
+        let parts = [value::ELASTIC, value::BENDING, value::EXTERNAL, value::BALLOON].into_iter();
+        let parts = parts.zip([elastic, bending, external, balloon]);
+        let step = step.fact(shared::ITERATION, iteration.number).fact(value::DISPLACEMENT, iteration.moved);
+        let step = parts.clone().fold(step, |step, (of, energy)| step.fact(of, energy));
+        let step = step.fact(value::LENGTH, polygon::length(&iteration.after)).put(value::ENERGY, energy.total());
+        let sources = if self.balloon == 0.0 { "the edges" } else { "the edges and the pressure" };
+        let step = step.put(value::EPSILON, self.epsilon).put(value::SOURCES, sources).say(case::ITERATED);
+        let step = match (iteration.has_converged, iteration.number == self.iterations) {
+            (true, _) => step.say(case::CONVERGED),
+            (false, true) => step.say(case::EXHAUSTED),
+            (false, false) => {
+                let step = step.put(value::INTERNAL_FORCE, internal_force).put(value::EXTERNAL_FORCE, external_force);
+                let is_external = external_force > internal_force;
+                step.say(case::FORCES).say(if is_external { case::EXTERNAL } else { case::INTERNAL })
+            }
+        };
+        let unit =
+            Unit::RATIO.finer(further_digits_of_sum(&[elastic, bending, external, balloon], RATIO_DECIMALS) as u8);
+        let step = parts.fold(step, |step, (of, energy)| step.put_value(of.is(energy).in_unit(unit)));
+        step.formula(ENERGY).formula("= {elastic}{bending:signed}{external:signed}{balloon:signed} = {energy}")
     }
 
     /// The energies over the iterations of the frame.
@@ -117,86 +193,4 @@ impl ActiveContour {
             ..Series::default()
         })
     }
-}
-
-/// E = elastic + bending + external + balloon energy.
-fn formula_of_energy() -> Math {
-    let half = |factor: &'static str| Math::over(Math::Var(factor), Math::text("2"));
-    let v = |index: &'static str| Math::indexed(Math::Var("v"), Math::text(index));
-    let sum = || Math::Sum(Box::new(Math::Var("i")));
-    let square = |of: Vec<Math>| Math::squared(Math::abs(Math::Row(of)));
-    Math::Row(vec![
-        Math::Var("E"),
-        Math::text(" = "),
-        half("α"),
-        sum(),
-        square(vec![v("i+1"), Math::text(" − "), v("i")]),
-        Math::text(" + "),
-        half("β"),
-        sum(),
-        square(vec![v("i−1"), Math::text(" − 2 "), v("i"), Math::text(" + "), v("i+1")]),
-        Math::text(" − κ "),
-        sum(),
-        Math::Row(vec![Math::Var("f"), Math::text("("), v("i"), Math::text(") − ")]),
-        Math::Var("p"),
-        Math::text(" area"),
-    ])
-}
-
-/// The energies of an iteration in that formula.
-fn numbers(of: &Energy) -> Math {
-    let [elastic, bending, external, balloon] =
-        summands([of.elastic, of.bending, of.external, of.balloon], ENERGY_DECIMALS);
-    Math::Row(vec![
-        Math::text("= "),
-        Math::ink(Role::Predicted, elastic),
-        Math::ink(Role::Window, bending),
-        Math::ink(Role::Measured, external),
-        Math::ink(Role::Candidate, balloon),
-        Math::text(" = "),
-        Math::ink(Role::Estimate, energy(of.total())),
-    ])
-}
-
-pub(super) fn facts(tracker: &ActiveContour, at: &At<'_, ActiveContour>) -> Vec<Fact> {
-    match at.event {
-        Event::Edges(field, points) | Event::Diffused([_, field], points) => vec![
-            Fact::new("Points", points.len().to_string(), None),
-            Fact::new("Mean force at the points", energy(mean_force(field, points)), Some(Role::Predicted)),
-        ],
-        Event::Iterated(iteration) => {
-            let Energy { elastic, bending, external, balloon } = tracker.energy(iteration);
-            vec![
-                Fact::new("Iteration", iteration.number.to_string(), None),
-                Fact::new("Mean displacement", format!("{} px", ratio(iteration.moved)), Some(Role::Estimate)),
-                Fact::new("Elastic energy", energy(elastic), Some(Role::Predicted)),
-                Fact::new("Bending energy", energy(bending), Some(Role::Window)),
-                Fact::new("External energy", energy(external), Some(Role::Measured)),
-                Fact::new("Balloon energy", energy(balloon), Some(Role::Candidate)),
-                Fact::new("Length", format!("{} px", px(polygon::length(&iteration.after))), None),
-            ]
-        }
-        Event::Judged(_, _, verdict) => explain::verdict_facts(verdict),
-    }
-}
-
-pub(super) fn draw(at: &At<'_, ActiveContour>, scene: &mut Scene) {
-    let (field, points) = match at.event {
-        Event::Edges(field, points) | Event::Diffused([_, field], points) | Event::Judged(field, points, _) => {
-            (field, &points[..])
-        }
-        Event::Iterated(iteration) => (&iteration.field, &iteration.after[..]),
-    };
-    explain::heat(scene, "f", (field.edges.origin, &field.edges.strength));
-    match at.event {
-        Event::Edges(..) | Event::Diffused(..) => {
-            explain::arrows(scene, field.edges.origin, &field.force.values);
-        }
-        Event::Iterated(iteration) => {
-            explain::contour(scene, (Role::Rejected, "contour before the iteration"), &iteration.before);
-        }
-        Event::Judged(..) => {}
-    }
-    explain::contour(scene, (Role::Best, "contour"), points);
-    explain::dots(scene, Role::Best, points);
 }

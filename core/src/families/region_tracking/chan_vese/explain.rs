@@ -2,71 +2,114 @@
 
 use std::sync::Arc;
 
-use super::{ChanVese, Energy, Event, Field, Iteration, Judged, LEAST_AREA_PX, Model, STILL};
-use crate::base::words::{counted, fixed, grouped, summands};
+use super::{ChanVese, Energy, Event, Field, Iteration, Judged, LEAST_AREA_PX, Loss, Model, STILL, means};
+use crate::base::words::further_digits_of_sum;
 use crate::data::Mask;
 use crate::geometry::Grid;
-use crate::methods::contour::explain::area;
-use crate::methods::numbers::{RATIO_DECIMALS, gray, ratio};
+use crate::methods::contour::explain::{AREA, value as shared};
+use crate::methods::numbers::RATIO_DECIMALS;
 use crate::methods::region::{At, Ending, Explained, Outcome};
-use crate::scene::{Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Surface, Tile};
+use crate::scene::{Picture, Readout, Role, Scene, Series, Shape, Step, Surface, Tile, Unit};
+use crate::{cases, variables};
 
 /// The values of φ that a tile shows black and white, in px.
 const RANGE_PX: f32 = 10.0;
 
+variables! { pub(super) mod value;
+    /// The gray level that is scaled to 0.
+    DARKEST: "Darkest level", "", Unit::WHOLE;
+    /// The gray level that is scaled to 1.
+    BRIGHTEST: "Brightest level", "", Unit::WHOLE;
+    /// The mean of the scaled gray levels inside.
+    MEAN_INSIDE: "Mean inside c₁", "c_1", Unit::RATIO, Role::Best;
+    /// The mean of the scaled gray levels outside.
+    MEAN_OUTSIDE: "Mean outside c₂", "c_2", Unit::RATIO, Role::Window;
+    /// The mean gray level inside.
+    LEVEL_INSIDE: "Gray level inside", "", Unit::GRAY;
+    /// The mean gray level outside.
+    LEVEL_OUTSIDE: "Gray level outside", "", Unit::GRAY;
+    /// The number of pixels that changed sides in the iteration.
+    CHANGED: "Changed sides", "", Unit::count("pixel"), Role::Candidate;
+    /// The weighted length of the contour.
+    LENGTH_ENERGY: "Length energy", "", Unit::RATIO, Role::Predicted;
+    /// The weighted area inside.
+    AREA_ENERGY: "Area energy", "", Unit::RATIO, Role::Measured;
+    /// The weighted squared differences from the mean inside.
+    INSIDE_ENERGY: "Energy inside", "", Unit::RATIO, Role::Best;
+    /// The weighted squared differences from the mean outside.
+    OUTSIDE_ENERGY: "Energy outside", "", Unit::RATIO, Role::Window;
+    /// The sum of the energies.
+    ENERGY: "Energy", "F", Unit::RATIO, Role::Estimate;
+    /// The number of iterations without a change after which the contour has converged.
+    STILL: "Iterations without a change", "", Unit::count("iteration");
+    /// The area of the other parts of the inside.
+    OTHER_PARTS: "Other parts", "", AREA;
+    /// The difference of the means inside and outside.
+    CONTRAST: "Contrast", "|c_1 - c_2|", Unit::GRAY, Role::Measured;
+    /// The contrast below which the object is lost.
+    MIN_CONTRAST: "Smallest contrast", "", Unit::GRAY;
+    /// The area of the object in the frame before.
+    AREA_BEFORE: "Area before", "", AREA;
+    /// The largest factor of a change of the area.
+    MAX_GROWTH: "Largest growth", "", Unit::new("", 1);
+}
+
+cases! { pub(super) over value, shared;
+    ALIKE: "the gray levels in the window around it differ by {gray_range} at most, less than {least_gray_range}, so there are no two regions with \
+            different means.",
+    STARTED: "{reference|The level set function φ} starts as the signed distance to the border of the object, positive inside, in a window of \
+              {window_width}×{window_height}. Its gray levels from {darkest} to {brightest} are scaled to u = 0 to 1.",
+    MEAN_INSIDE: "{mean_inside} (gray level {level_inside:bare})",
+    MEAN_OUTSIDE: "{mean_outside} (gray level {level_outside:bare})",
+    ITERATED: "Iteration {iteration}: the means are {best|c₁ =} {mean_inside} inside and {window|c₂ =} {mean_outside} outside, gray levels \
+               {level_inside:bare} and {level_outside:bare}. φ rises where the gray level is nearer to c₁, falls where it is nearer to c₂, and \
+               {changed} changed sides; the total energy is now {energy}.",
+    CONVERGED: "None has for {still}: converged.",
+    EXHAUSTED: "It has not converged, but this is the maximum number of iterations.",
+    JUDGED: "{best|The largest connected part} of the inside has {area}",
+    OTHERS_LEFT_OUT: ", and {other_parts} in other parts are left out",
+    CONTRAST: ". The means differ by {contrast}",
+    COLLAPSED: ", but the area is below {least_area}: the contour has collapsed.",
+    FULL: ", and the inside fills the window: nothing is outside.",
+    LOW_CONTRAST: ", less than {min_contrast:bare}: both regions look alike.",
+    SPREAD: ", but the area was {area_before} in the frame before and changed by more than a factor of {max_growth}: the contour has spread or the \
+             object is hidden.",
+    ACCEPTED: ", not less than {min_contrast:bare}: the object is accepted.",
+    HELD: "The means inside and outside held the contour: it needs no edges, and noise averages out. Anything as bright as the object that touches it \
+           would become a part of it.",
+    MERGED: "Something as bright as the object touched it and became a part of it. A correlation filter or mean shift is not attracted by gray levels \
+             alone.",
+    SHRUNK: "A part of the object is nearer to the mean outside than to the mean inside. An active contour works where edges separate regions of equal \
+             mean.",
+    UNKNOWN: "Without ground truth it is not known whether the contour is on the object. Anything as bright as the object that touches it becomes a \
+              part of it.",
+    ASTRAY: "Something as bright as the object touched it, or its surroundings came near its mean. A correlation filter or mean shift is not attracted \
+             by gray levels alone.",
+}
+
+/// The energy of the partition.
+const ENERGY: &str = r"F = \mu \text{ length} + \nu \text{ area} + \lambda_1 \sum_{\text{inside}} (u - c_1)^2 + \lambda_2 \sum_{\text{outside}} (u - c_2)^2";
+
 impl Explained for ChanVese {
-    fn sentence(&self, at: &At<'_, Self>) -> Sentence {
-        let said = Sentence::default();
-        match at.event {
-            Event::Started(field, _) => {
-                let (width, height) = field.levels.size();
-                said.ink(Role::Reference, "The level set function φ").text(format!(
-                    " starts as the signed distance to the border of the object, positive inside, in a window of {width}×{height} px. Its \
-                     gray levels from {} to {} are scaled to u = 0 to 1.",
-                    field.range[0], field.range[1]
-                ))
-            }
-            Event::Iterated(iteration) => self.iterated(iteration, said),
-            Event::Judged(judged) => self.judged(judged, said),
-        }
-    }
-
-    fn facts(&self, at: &At<'_, Self>) -> Vec<Fact> {
-        match at.event {
-            Event::Started(field, phi) => means_facts(field, super::means(phi, &field.levels)).into(),
-            Event::Iterated(iteration) => {
-                let Energy { length, area, inside, outside } = iteration.energy;
-                let mut facts = vec![Fact::new("Iteration", iteration.number.to_string(), None)];
-                facts.extend(means_facts(&iteration.field, iteration.means));
-                facts.extend([
-                    Fact::new("Pixels that changed sides", grouped(iteration.changed), Some(Role::Candidate)),
-                    Fact::new("Length energy", ratio(length), Some(Role::Predicted)),
-                    Fact::new("Energy inside", ratio(inside), Some(Role::Best)),
-                    Fact::new("Energy outside", ratio(outside), Some(Role::Window)),
-                ]);
-                facts.extend((self.nu != 0.0).then(|| Fact::new("Area energy", ratio(area), Some(Role::Measured))));
-                facts
-            }
-            Event::Judged(judged) => vec![
-                Fact::new("Area", area(judged.area[0] as f64), None),
-                Fact::new("Contrast", format!("{} gray levels", gray(judged.contrast)), Some(Role::Measured)),
-            ],
-        }
-    }
-
-    fn readouts(&self, at: &At<'_, Self>) -> Vec<Readout> {
-        let formula = || Readout::Equation(vec![formula_of_energy()]);
-        let (field, phi, around) = match at.event {
-            Event::Started(field, phi) => (field, phi, [Some(formula()), None]),
-            Event::Iterated(iteration) => {
-                let equation = Readout::Equation(vec![formula_of_energy(), numbers(&iteration.energy)]);
-                (&iteration.field, &iteration.phi[1], [Some(equation), Some(self.energies(at))])
-            }
-            Event::Judged(judged) => (&judged.field, &judged.phi, [None, Some(self.energies(at))]),
+    fn step(&self, at: &At<'_, Self>, step: Step) -> Step {
+        let charted = |step: Step, field, phi| {
+            step.show(Readout::Tiles(tiles(field, phi))).show(Readout::Landscape(level_set(field, phi)))
         };
-        let [equation, energies] = around;
-        let levels = [Readout::Tiles(tiles(field, phi)), Readout::Landscape(level_set(field, phi))];
-        equation.into_iter().chain(levels).chain(energies).collect()
+        match at.event {
+            Event::Started(field, phi) => {
+                let ((width, height), [low, high]) = (field.levels.size(), field.range);
+                let step = put_means(step, field, means(phi, &field.levels)).put(value::DARKEST, low);
+                let step = step.put(shared::WINDOW_WIDTH, width).put(shared::WINDOW_HEIGHT, height);
+                charted(step.put(value::BRIGHTEST, high).say(case::STARTED).formula(ENERGY), field, phi)
+            }
+            Event::Iterated(iteration) => {
+                let step = self.iterated(step, iteration);
+                charted(step, &iteration.field, &iteration.phi[1]).show(self.energies(at))
+            }
+            Event::Judged(judged) => {
+                charted(self.judged(step, judged), &judged.field, &judged.phi).show(self.energies(at))
+            }
+        }
     }
 
     fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
@@ -84,7 +127,7 @@ impl Explained for ChanVese {
             }
             Event::Judged(judged) => {
                 window(scene, &judged.field);
-                let role = if judged.is_lost { Role::Rejected } else { Role::Best };
+                let role = if judged.loss.is_some() { Role::Rejected } else { Role::Best };
                 object(scene, role, judged.object.clone());
             }
         }
@@ -96,81 +139,54 @@ impl Explained for ChanVese {
         }
     }
 
-    fn advice(&self, ending: Ending, _at: &At<'_, Self>) -> String {
-        match ending.outcome {
-            Outcome::Followed => {
-                "The means inside and outside held the contour: it needs no edges, and noise averages out. Anything as bright as the \
-                 object that touches it would become a part of it."
-            }
-            Outcome::Grown => {
-                "Something as bright as the object touched it and became a part of it. A correlation \
-                 filter or mean shift is not attracted by gray levels alone."
-            }
-            Outcome::Shrunk => {
-                "A part of the object is nearer to the mean outside than to the mean inside. An active contour works where \
-                 edges separate regions of equal mean."
-            }
-            Outcome::Unknown => {
-                "Without ground truth it is not known whether the contour is on the object. Anything as bright as the object that touches \
-                 it becomes a part of it."
-            }
-            Outcome::Regained | Outcome::Beside | Outcome::Lost => {
-                "Something as bright as the object touched it, or its surroundings came near its mean. A correlation filter or mean shift is not \
-                 attracted by gray levels alone."
-            }
-        }
-        .into()
+    fn advise(&self, ending: Ending, _: &At<'_, Self>, step: Step) -> Step {
+        step.say(match ending.outcome {
+            Outcome::Followed => case::HELD,
+            Outcome::Grown => case::MERGED,
+            Outcome::Shrunk => case::SHRUNK,
+            Outcome::Unknown => case::UNKNOWN,
+            Outcome::Regained | Outcome::Beside | Outcome::Lost => case::ASTRAY,
+        })
     }
 }
 
 impl ChanVese {
-    fn iterated(&self, iteration: &Iteration, said: Sentence) -> Sentence {
-        let [inside, outside] = iteration.means.map(ratio_of);
-        let [inside_gray, outside_gray] = iteration.means.map(|mean| gray(iteration.field.gray(mean)));
-        let said = said
-            .text(format!("Iteration {}: the means are ", iteration.number))
-            .ink(Role::Best, format!("c₁ = {inside}"))
-            .text(" inside and ")
-            .ink(Role::Window, format!("c₂ = {outside}"))
-            .text(format!(" outside, gray levels {inside_gray} and {outside_gray}"))
-            .text(". φ rises where the gray level is nearer to c₁, falls where it is nearer to c₂, and ")
-            .ink(Role::Candidate, counted(iteration.changed, "pixel"))
-            .text(format!(" changed sides; the total energy is now {}.", ratio(iteration.energy.total())));
-        if iteration.is_still {
-            said.text(format!(" None has for {STILL} iterations: converged."))
-        } else if iteration.number == self.iterations {
-            said.text(" It has not converged, but this is the maximum number of iterations.")
-        } else {
-            said
-        }
+    fn iterated(&self, step: Step, iteration: &Iteration) -> Step {
+        let Energy { length, area, inside, outside } = iteration.energy;
+        let parts = [
+            (value::LENGTH_ENERGY, length),
+            (value::INSIDE_ENERGY, inside),
+            (value::OUTSIDE_ENERGY, outside),
+            (value::AREA_ENERGY, area),
+        ];
+        let step = step.fact(shared::ITERATION, iteration.number);
+        let step = put_means(step, &iteration.field, iteration.means).fact(value::CHANGED, iteration.changed);
+        let has_area = |of| of != value::AREA_ENERGY || self.nu != 0.0;
+        let step = parts.iter().fold(step, |step, (of, energy)| step.fact_if(of, has_area(*of).then_some(*energy)));
+        let step = step.put(value::ENERGY, iteration.energy.total()).put(value::STILL, STILL).say(case::ITERATED);
+        let is_exhausted = !iteration.is_still && iteration.number == self.iterations;
+        let step = step.say_if(iteration.is_still, case::CONVERGED).say_if(is_exhausted, case::EXHAUSTED);
+        let further = further_digits_of_sum(&[length, area, inside, outside], RATIO_DECIMALS);
+        let unit = Unit::RATIO.finer(further as u8);
+        let step = parts.iter().fold(step, |step, (of, energy)| step.put_value(of.is(*energy).in_unit(unit)));
+        let numbers = "= {length_energy}{area_energy:signed}{inside_energy:signed}{outside_energy:signed} = {energy}";
+        step.formula(ENERGY).formula(numbers)
     }
 
-    fn judged(&self, judged: &Judged, said: Sentence) -> Sentence {
+    fn judged(&self, step: Step, judged: &Judged) -> Step {
         let [own, all] = judged.area;
-        let said = said
-            .ink(Role::Best, "The largest connected part")
-            .text(format!(" of the inside has {}", area(own as f64)))
-            .text(match all - own {
-                0 => String::new(),
-                rest => format!(", and {} in other parts are left out", area(rest as f64)),
-            })
-            .text(". The means differ by ")
-            .ink(Role::Measured, format!("{} gray levels", gray(judged.contrast)));
-        let growth = format!("factor of {}", fixed(self.max_growth.into(), 1));
-        if (own as f64) < LEAST_AREA_PX {
-            said.text(format!(", but the area is below {}: the contour has collapsed.", area(LEAST_AREA_PX)))
-        } else if all == judged.phi.cells().len() {
-            said.text(", and the inside fills the window: nothing is outside.")
-        } else if judged.contrast < self.min_contrast {
-            said.text(format!(", less than {}: both regions look alike.", gray(self.min_contrast)))
-        } else if let Some(before) = judged.before.filter(|_| judged.is_lost) {
-            said.text(format!(
-                ", but the area was {} in the frame before and changed by more than a {growth}: the contour has spread or the object is \
-                 hidden.",
-                area(before as f64)
-            ))
-        } else {
-            said.text(format!(", not less than {}: the object is accepted.", gray(self.min_contrast)))
+        let step =
+            step.fact(shared::AREA, own).fact(value::CONTRAST, judged.contrast).put(value::OTHER_PARTS, all - own);
+        let step = step.put(shared::LEAST_AREA, LEAST_AREA_PX).put(value::MIN_CONTRAST, self.min_contrast);
+        let step = step.say(case::JUDGED).say_if(all > own, case::OTHERS_LEFT_OUT).say(case::CONTRAST);
+        match judged.loss {
+            None => step.say(case::ACCEPTED),
+            Some(Loss::Collapsed) => step.say(case::COLLAPSED),
+            Some(Loss::Full) => step.say(case::FULL),
+            Some(Loss::Alike) => step.say(case::LOW_CONTRAST),
+            Some(Loss::Spread(before)) => {
+                step.put(value::AREA_BEFORE, before).put(value::MAX_GROWTH, self.max_growth).say(case::SPREAD)
+            }
         }
     }
 
@@ -211,43 +227,12 @@ fn level_set(field: &Field, phi: &Grid<f32>) -> Surface {
     Surface { is_similarity: true, contour: Some(0.0), ..surface }
 }
 
-/// A scaled gray level as text.
-fn ratio_of(level: f32) -> String {
-    ratio(level.into())
-}
-
-fn means_facts(field: &Field, means: [f32; 2]) -> [Fact; 2] {
-    let [inside, outside] = means.map(|mean| format!("{} (gray level {})", ratio_of(mean), gray(field.gray(mean))));
-    [Fact::new("Mean inside c₁", inside, Some(Role::Best)), Fact::new("Mean outside c₂", outside, Some(Role::Window))]
-}
-
-/// F = μ length + ν area + λ₁ Σ inside (u − c₁)² + λ₂ Σ outside (u − c₂)².
-fn formula_of_energy() -> Math {
-    let sum = |of: &str| Math::Sum(Box::new(Math::text(of)));
-    let square = |mean: &str| Math::squared(Math::text(format!("(u − {mean})")));
-    Math::Row(vec![
-        Math::Var("F"),
-        Math::text(" = μ length + ν area + λ₁ "),
-        sum("inside"),
-        square("c₁"),
-        Math::text(" + λ₂ "),
-        sum("outside"),
-        square("c₂"),
-    ])
-}
-
-/// The energies of an iteration in that formula.
-fn numbers(of: &Energy) -> Math {
-    let [length, area, inside, outside] = summands([of.length, of.area, of.inside, of.outside], RATIO_DECIMALS);
-    Math::Row(vec![
-        Math::text("= "),
-        Math::ink(Role::Predicted, length),
-        Math::ink(Role::Measured, area),
-        Math::ink(Role::Best, inside),
-        Math::ink(Role::Window, outside),
-        Math::text(" = "),
-        Math::ink(Role::Estimate, ratio(of.total())),
-    ])
+/// Puts the means inside and outside, and their gray levels.
+fn put_means(step: Step, field: &Field, means: [f32; 2]) -> Step {
+    let [inside, outside] = means.map(|mean| field.gray(mean));
+    let step = step.put(value::LEVEL_INSIDE, inside).put(value::LEVEL_OUTSIDE, outside);
+    let step = step.fact_as(value::MEAN_INSIDE.is(means[0]), case::MEAN_INSIDE);
+    step.fact_as(value::MEAN_OUTSIDE.is(means[1]), case::MEAN_OUTSIDE)
 }
 
 fn tiles(field: &Field, phi: &Grid<f32>) -> Vec<Tile> {

@@ -1,6 +1,7 @@
 //! A level set function in a window, and its evolution.
 
-use crate::geometry::Grid;
+use crate::data::{Connectivity, Labelling, Mask};
+use crate::geometry::{Bounds, Grid};
 
 /// Width ε of the regularised delta function, in px.
 const EPSILON: f32 = 1.0;
@@ -175,6 +176,37 @@ fn envelope(f: &[f32]) -> Vec<f32> {
         (x.abs_diff(i) * x.abs_diff(i)) as f32 + f[i]
     };
     (0..f.len()).map(at).collect()
+}
+
+/// The number of pixels that are on another side.
+pub fn changed(before: &Grid<f32>, after: &Grid<f32>) -> usize {
+    before.cells().iter().zip(after.cells()).filter(|(a, b)| (**a < 0.0) != (**b < 0.0)).count()
+}
+
+/// The largest connected part of the pixels with φ ≥ 0 in a picture, with its box and its number of pixels; nothing without such pixels.
+pub fn largest(phi: &Grid<f32>, origin: [usize; 2], picture: (usize, usize)) -> Option<(Mask, Bounds, usize)> {
+    let (width, height) = phi.size();
+    let inside = Mask::from_fn(width, height, |x, y| phi[(x, y)] >= 0.0);
+    let labelling = Labelling::of(&inside, Connectivity::Eight);
+    let finals = labelling.finals();
+    let mut areas = vec![0usize; finals.count as usize + 1];
+    let label = |provisional: u32| finals.labels[provisional as usize];
+    labelling.runs().iter().for_each(|run| areas[label(run.label) as usize] += (run.end - run.start) as usize);
+    // The first of equals.
+    let best = (1..areas.len()).rev().max_by_key(|label| areas[*label])?;
+    let (mut min, mut max) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
+    for run in labelling.runs().iter().filter(|run| label(run.label) as usize == best) {
+        let [x, y] = origin.map(|c| c as f32);
+        min = [min[0].min(x + run.start as f32 - 0.5), min[1].min(y + run.y as f32 - 0.5)];
+        max = [max[0].max(x + run.end as f32 - 0.5), max[1].max(y + run.y as f32 + 0.5)];
+    }
+    let labels = finals.grid(&labelling, (width, height));
+    let is_object = |x: usize, y: usize| {
+        let at = (x.checked_sub(origin[0])?, y.checked_sub(origin[1])?);
+        labels.get(at.0, at.1).map(|label| *label as usize == best)
+    };
+    let object = Mask::from_fn(picture.0, picture.1, |x, y| is_object(x, y).unwrap_or(false));
+    Some((object, Bounds { min, max }, areas[best]))
 }
 
 #[cfg(test)]

@@ -1,14 +1,128 @@
 //! The explanation and the drawing of the greedy active contour.
 
-use super::{At, Event, GreedyContour, Pass, Terms, Test};
-use crate::base::words::{counted, fixed, further_digits, rounded};
+use super::{Event, GreedyContour, Pass, Terms, Test};
+use crate::base::words::{fixed, further_digits, rounded};
 use crate::geometry::Grid;
-use crate::methods::contour::{Point, explain};
-use crate::methods::numbers::{RATIO_DECIMALS, px, ratio};
-use crate::scene::{Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Tile};
+use crate::methods::contour::explain::{self, value as shared};
+use crate::methods::contour::{Model, Point, Verdict};
+use crate::methods::numbers::RATIO_DECIMALS;
+use crate::methods::region::{At, Ending, Explained};
+use crate::scene::{Picture, Readout, Role, Scene, Series, Shape, Step, Tile, Unit};
+use crate::{cases, variables};
 
-fn pixel([x, y]: Point) -> String {
-    format!("({},\u{a0}{})", fixed(x, 0), fixed(y, 0))
+variables! {
+    /// The number of the point.
+    POINT: "Point", "i", Unit::WHOLE;
+    /// The pixel of the point.
+    PRESENT: "Present pixel", "", Unit::WHOLE;
+    /// The pixel of the lowest energy in the neighbourhood.
+    PIXEL: "Pixel", "", Unit::WHOLE, Role::Best;
+    /// The side of the neighbourhood.
+    SIDE: "Side of the neighbourhood", "", Unit::WHOLE, Role::Window;
+    /// The weighted sum of the energies at that pixel.
+    LOWEST_ENERGY: "Lowest energy", "E", Unit::RATIO, Role::Best;
+    /// The continuity energy at that pixel, as a share of the largest in the neighbourhood.
+    CONTINUITY: "Continuity", r"E_{\text{cont}}", Unit::RATIO, Role::Predicted;
+    /// The curvature energy at that pixel, as a share of the largest in the neighbourhood.
+    CURVATURE: "Curvature", r"E_{\text{curv}}", Unit::RATIO, Role::Window;
+    /// The edge energy at that pixel, −1 at the strongest edge of the neighbourhood.
+    EDGE: "Edge", r"E_{\text{edge}}", Unit::RATIO, Role::Measured;
+    /// The weight of the continuity energy.
+    ALPHA: "Weight of continuity", r"\alpha", Unit::FINE;
+    /// The weight of the curvature energy, 0 at a corner.
+    BETA: "Weight of curvature", r"\beta", Unit::FINE;
+    /// The weight of the edge energy.
+    EDGE_WEIGHT: "Weight of edges", r"\kappa", Unit::FINE;
+    /// The number of moves in the iteration.
+    MOVES: "Moves", "", Unit::count("move"), Role::Estimate;
+    /// The number of moves with which the contour has converged.
+    MAX_MOVED: "Moves at most", "", Unit::WHOLE;
+    /// The number of corners, at which curvature does not count.
+    CORNERS: "Corners", "", Unit::count("corner");
+    /// The mean distance of neighbouring points.
+    DISTANCE: "Mean distance of the points", "d", Unit::PX;
+    /// The energies at the chosen pixels, summed over all points.
+    ENERGY_SUM: "Sum of the energies", "", Unit::RATIO, Role::Estimate;
+}
+
+cases! { pub(super) over value, shared;
+    EDGE_ENERGY: "The edge energy is low where f is high. The contour has {points} points, each on a pixel.",
+    TESTED: "Iteration {iteration}, point {point} at {present}: among the {side}×{side} {window|pixels} of its neighbourhood, {pixel} has the lowest \
+             energy, {lowest_energy}: continuity {continuity}, curvature {curvature}, edge {edge} before weighting.",
+    STAYS: "It is the present one, so the point stays.",
+    MOVES: "The point moves there.",
+    AT_CORNER: "It is a corner, so curvature does not count.",
+    PASSED: "End of iteration {iteration}: {moves}, {corners}, mean distance of the points {distance}.",
+    CONVERGED: "That is not more than {max_moved}: converged.",
+    EXHAUSTED: "It has not converged, but this is the maximum number of iterations.",
+    NO_CORNER: "No point changes direction sharply on a strong edge, so rigidity β acts at all of them.",
+    CORNERS: "There β is 0, so that rigidity does not round the corner.",
+    FARTHER: "A larger σ blurs the edges so that they reach farther; mean shift needs no edges.",
+}
+
+/// The energy of a pixel.
+const ENERGY: &str = r"E = \alpha \, E_{\text{cont}} + \beta \, E_{\text{curv}} + \kappa \, E_{\text{edge}}";
+
+/// The judgement of the frame, once it is there.
+fn verdict<'a>(at: &'a At<'_, GreedyContour>) -> Option<&'a Verdict> {
+    match at.event {
+        Event::Judged(_, _, verdict) => Some(verdict),
+        _ => None,
+    }
+}
+
+impl Explained for GreedyContour {
+    fn step(&self, at: &At<'_, Self>, step: Step) -> Step {
+        match at.event {
+            Event::Edges(edges, points) => {
+                explain::edges(step, edges, (self.snake.sigma, points.len())).say(case::EDGE_ENERGY).formula(ENERGY)
+            }
+            Event::Tested(test) => self.tested(step, test).show(Readout::Tiles(self.tiles(test))),
+            Event::Passed(pass) => self.passed(step, pass).show(self.energies(at)),
+            Event::Judged(_, _, verdict) => {
+                explain::judged(step, verdict, self.snake.min_edge_strength).show(self.energies(at))
+            }
+        }
+    }
+
+    fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
+        let (edges, points) = match at.event {
+            Event::Edges(edges, points) | Event::Judged(edges, points, _) => (edges, points.to_vec()),
+            Event::Tested(test) => (&test.edges, self.contour(at)),
+            Event::Passed(pass) => (&pass.edges, pass.points.clone()),
+        };
+        explain::heat(scene, "f", (edges.origin, &edges.strength));
+        explain::contour(scene, (Role::Best, "contour"), &points);
+        explain::dots(scene, Role::Best, &points);
+        match at.event {
+            Event::Tested(test) => {
+                let [x, y] = test.site.at.map(|c| c as i32 - self.radius as i32);
+                scene.mark(Picture::CURRENT, Role::Predicted, Shape::pixels(x, y, self.side(), self.side()));
+                scene.legend(Role::Predicted, "neighbourhood of the point");
+                let [x, y] = self.chosen(test).map(|c| c as i32);
+                scene.mark(Picture::CURRENT, Role::Estimate, Shape::pixels(x, y, 1, 1));
+                scene.legend(Role::Estimate, "pixel with the lowest energy");
+            }
+            Event::Passed(pass) if !pass.corners.is_empty() => {
+                let corners: Vec<Point> = pass.corners.iter().map(|i| pass.points[*i]).collect();
+                explain::dots(scene, Role::Measured, &corners);
+                scene.legend(Role::Measured, "corners");
+            }
+            _ => {}
+        }
+    }
+
+    fn draw_result(&self, model: &Model, scene: &mut Scene) {
+        explain::result(scene, model);
+    }
+
+    fn tell_loss(&self, at: &At<'_, Self>, step: Step) -> Step {
+        explain::loss(step, verdict(at))
+    }
+
+    fn advise(&self, ending: Ending, at: &At<'_, Self>, step: Step) -> Step {
+        explain::advice(step, ending, (verdict(at), case::FARTHER))
+    }
 }
 
 impl GreedyContour {
@@ -46,120 +160,40 @@ impl GreedyContour {
         points
     }
 
-    pub(super) fn said(&self, at: &At<'_, Self>) -> Sentence {
-        let said = Sentence::default();
-        match at.event {
-            Event::Edges(edges, points) => explain::edges(said, edges, self.snake.sigma).text(format!(
-                " The edge energy is low where f is high. The contour has {}, each on a pixel.",
-                counted(points.len(), "point")
-            )),
-            Event::Tested(test) => self.tested(test, said),
-            Event::Passed(pass) => self.passed(pass, said),
-            Event::Judged(_, _, verdict) => explain::judged(said, verdict, self.snake.min_edge_strength),
-        }
-    }
-
-    fn tested(&self, test: &Test, said: Sentence) -> Sentence {
-        let (from, to) = (test.site.at, self.chosen(test));
+    fn tested(&self, step: Step, test: &Test) -> Step {
+        let (from, to, side) = (test.site.at, self.chosen(test), self.side());
         let Terms { continuity, curvature, edge, total } = self.lowest(test);
-        let said = said
-            .text(format!("Iteration {}, point {} at {}: among the ", test.iteration, test.index + 1, pixel(from)))
-            .ink(Role::Window, format!("{0}×{0} pixels", self.side()))
-            .text(" of its neighbourhood, ")
-            .ink(Role::Best, pixel(to))
-            .text(format!(
-                " has the lowest energy, {}: continuity {}, curvature {}, edge {} before weighting.",
-                ratio(total),
-                ratio(continuity),
-                ratio(curvature),
-                ratio(edge)
-            ));
-        let said = if from == to {
-            said.text(" It is the present one, so the point stays.")
-        } else {
-            said.text(" The point moves there.")
-        };
-        if test.site.is_corner { said.text(" It is a corner, so curvature does not count.") } else { said }
-    }
-
-    fn passed(&self, pass: &Pass, said: Sentence) -> Sentence {
-        let said = said
-            .text(format!("End of iteration {}: ", pass.number))
-            .ink(Role::Estimate, counted(pass.moved, "move"))
-            .text(format!(
-                ", {}, mean distance of the points {} px.",
-                counted(pass.corners.len(), "corner"),
-                px(pass.distance)
-            ));
-        if pass.moved <= self.max_moved {
-            said.text(format!(" That is not more than {}: converged.", self.max_moved))
-        } else if pass.number == self.iterations {
-            said.text(" It has not converged, but this is the maximum number of iterations.")
-        } else if pass.corners.is_empty() {
-            said.text(" No point changes direction sharply on a strong edge, so rigidity β acts at all of them.")
-        } else {
-            said.text(" There β is 0, so that rigidity does not round the corner.")
-        }
-    }
-
-    pub(super) fn figures(&self, at: &At<'_, Self>) -> Vec<Fact> {
-        match at.event {
-            Event::Edges(edges, points) => vec![
-                Fact::new("Points", points.len().to_string(), None),
-                Fact::new(
-                    "Steepest gradient",
-                    format!("{} gray levels/px", fixed(edges.steepest.into(), 2)),
-                    Some(Role::Measured),
-                ),
-            ],
-            Event::Tested(test) => vec![
-                Fact::new("Iteration", test.iteration.to_string(), None),
-                Fact::new("Point", (test.index + 1).to_string(), None),
-                Fact::new("Lowest energy", ratio(self.lowest(test).total), Some(Role::Best)),
-                Fact::new("Pixel", pixel(self.chosen(test)), Some(Role::Best)),
-            ],
-            Event::Passed(pass) => vec![
-                Fact::new("Iteration", pass.number.to_string(), None),
-                Fact::new("Moves", pass.moved.to_string(), Some(Role::Estimate)),
-                Fact::new("Corners", pass.corners.len().to_string(), None),
-                Fact::new("Mean distance of the points", format!("{} px", px(pass.distance)), None),
-                Fact::new("Sum of the energies", ratio(pass.sums.total), Some(Role::Estimate)),
-            ],
-            Event::Judged(_, _, verdict) => explain::verdict_facts(verdict),
-        }
-    }
-
-    pub(super) fn shown(&self, at: &At<'_, Self>) -> Vec<Readout> {
-        match at.event {
-            Event::Edges(..) => vec![Readout::Equation(vec![formula()])],
-            Event::Tested(test) => {
-                vec![Readout::Equation(vec![formula(), self.numbers(test)]), Readout::Tiles(self.tiles(test))]
-            }
-            Event::Passed(_) | Event::Judged(..) => vec![self.energies(at)],
-        }
-    }
-
-    /// The energies at the chosen pixel in the formula.
-    fn numbers(&self, test: &Test) -> Math {
-        let Terms { continuity, curvature, edge, total } = self.lowest(test);
+        let parts = [(value::CONTINUITY, continuity), (value::CURVATURE, curvature), (value::EDGE, edge)];
+        let step = step.fact(shared::ITERATION, test.iteration).fact(value::POINT, test.index + 1);
+        let step = step.fact(value::LOWEST_ENERGY, total).fact(value::PIXEL, to).put(value::PRESENT, from);
+        let step = parts.iter().fold(step.put(value::SIDE, side), |step, (of, term)| step.put(of, *term));
+        let step = step.say(case::TESTED).say(if from == to { case::STAYS } else { case::MOVES });
         let beta = if test.site.is_corner { 0.0 } else { self.beta };
         let weights = [self.alpha, beta, self.edge_weight].map(f64::from);
         let further = further_digits(|further| {
-            let terms = [continuity, curvature, edge].map(|of| rounded(of, RATIO_DECIMALS + further));
-            ratio((0..3).map(|i| weights[i] * terms[i]).sum()) == ratio(total)
+            let weighted =
+                weights.iter().zip(&parts).map(|(weight, (_, term))| weight * rounded(*term, RATIO_DECIMALS + further));
+            fixed(weighted.sum(), RATIO_DECIMALS) == fixed(total, RATIO_DECIMALS)
         });
-        let number = |of: f64| fixed(of, RATIO_DECIMALS + further);
-        let product = |weight: f32, of: f64| format!("{} · {}", fixed(weight.into(), 2), number(of));
-        Math::Row(vec![
-            Math::text("= "),
-            Math::ink(Role::Predicted, product(self.alpha, continuity)),
-            Math::text(" + "),
-            Math::ink(Role::Window, product(beta, curvature)),
-            Math::text(" + "),
-            Math::ink(Role::Measured, format!("{} · ({})", fixed(self.edge_weight.into(), 2), number(edge))),
-            Math::text(" = "),
-            Math::ink(Role::Best, ratio(total)),
-        ])
+        let unit = Unit::RATIO.finer(further as u8);
+        let step = parts.iter().fold(step, |step, (of, term)| step.put_value(of.is(*term).in_unit(unit)));
+        let step = step.put(value::ALPHA, self.alpha).put(value::BETA, beta).put(value::EDGE_WEIGHT, self.edge_weight);
+        let step = step.say_if(test.site.is_corner, case::AT_CORNER).formula(ENERGY);
+        step.formula(
+            r"= {alpha} \cdot {continuity} + {beta} \cdot {curvature} + {edge_weight} \cdot {edge} = {lowest_energy}",
+        )
+    }
+
+    fn passed(&self, step: Step, pass: &Pass) -> Step {
+        let step = step.fact(shared::ITERATION, pass.number).fact(value::MOVES, pass.moved);
+        let step = step.fact(value::CORNERS, pass.corners.len()).fact(value::DISTANCE, pass.distance);
+        let step = step.fact(value::ENERGY_SUM, pass.sums.total).put(value::MAX_MOVED, self.max_moved);
+        step.say(case::PASSED).say(match (pass.has_converged, pass.number == self.iterations) {
+            (true, _) => case::CONVERGED,
+            (false, true) => case::EXHAUSTED,
+            (false, false) if pass.corners.is_empty() => case::NO_CORNER,
+            (false, false) => case::CORNERS,
+        })
     }
 
     /// The energies of the neighbourhood.
@@ -211,45 +245,4 @@ impl GreedyContour {
             ..Series::default()
         })
     }
-
-    pub(super) fn drawn(&self, at: &At<'_, Self>, scene: &mut Scene) {
-        let (edges, points) = match at.event {
-            Event::Edges(edges, points) | Event::Judged(edges, points, _) => (edges, points.to_vec()),
-            Event::Tested(test) => (&test.edges, self.contour(at)),
-            Event::Passed(pass) => (&pass.edges, pass.points.clone()),
-        };
-        explain::heat(scene, "f", (edges.origin, &edges.strength));
-        explain::contour(scene, (Role::Best, "contour"), &points);
-        explain::dots(scene, Role::Best, &points);
-        match at.event {
-            Event::Tested(test) => {
-                let [x, y] = test.site.at.map(|c| c as i32 - self.radius as i32);
-                scene.mark(Picture::CURRENT, Role::Predicted, Shape::pixels(x, y, self.side(), self.side()));
-                scene.legend(Role::Predicted, "neighbourhood of the point");
-                let [x, y] = self.chosen(test).map(|c| c as i32);
-                scene.mark(Picture::CURRENT, Role::Estimate, Shape::pixels(x, y, 1, 1));
-                scene.legend(Role::Estimate, "pixel with the lowest energy");
-            }
-            Event::Passed(pass) if !pass.corners.is_empty() => {
-                let corners: Vec<Point> = pass.corners.iter().map(|i| pass.points[*i]).collect();
-                explain::dots(scene, Role::Measured, &corners);
-                scene.legend(Role::Measured, "corners");
-            }
-            _ => {}
-        }
-    }
-}
-
-/// E = α E_cont + β E_curv + κ E_edge.
-fn formula() -> Math {
-    let energy = |index: &'static str| Math::indexed(Math::Var("E"), Math::text(index));
-    Math::Row(vec![
-        Math::Var("E"),
-        Math::text(" = α "),
-        energy("cont"),
-        Math::text(" + β "),
-        energy("curv"),
-        Math::text(" + κ "),
-        energy("edge"),
-    ])
 }
