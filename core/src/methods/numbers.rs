@@ -1,6 +1,6 @@
 //! Numbers of background models, filters and tracks as text: each quantity with a fixed number of decimals.
 
-pub(crate) use crate::base::words::{fixed, gray};
+pub(crate) use crate::base::words::fixed;
 
 /// The decimals of a length in px or a velocity in px/frame.
 pub(crate) const LENGTH_DECIMALS: usize = 2;
@@ -35,7 +35,7 @@ mod tests {
 
     #[test]
     fn decimals_are_those_of_the_quantity() {
-        assert_eq!([px(-3.456), gray(127.0), squared(85.0)], ["−3.46", "127.00", "85.00"]);
+        assert_eq!([px(-3.456), squared(85.0)], ["−3.46", "85.00"]);
         assert_eq!([ratio(0.0367), percent(0.3), px(-0.001)], ["0.037", "30.0 %", "0.00"]);
         assert_eq!([fixed(-12_345.6, 1), fixed(f64::INFINITY, 2)], ["−12\u{202f}345.6", "∞"]);
     }

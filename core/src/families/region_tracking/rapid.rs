@@ -3,33 +3,23 @@
 mod account;
 mod explain;
 mod fit;
+mod vocabulary;
 mod wireframe;
 
 use std::sync::Arc;
 
 use crate::base::Observer;
 use crate::data::{Clip, Frame, Pose};
-use crate::geometry::Bounds;
 use crate::methods::region::{LOST, RegionModel, Settings, Similarity, WHERE};
 use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Chart, Name, Question};
+use crate::scene::{Chart, Name, Question, Sentence};
 use crate::{choices, params, pseudocode};
 
 use account::Past;
-use fit::{Equations, Motion, Sight, Sought, covariance, equations, farthest, median_distance, motion_of, solution};
-use wireframe::{Camera, Wireframe};
-
-choices! {
-    /// Shape of the model.
-    pub enum Solid {
-        /// Box: its visible edges.
-        Box = "box" "Box",
-        /// Upright cylinder: the ellipses of its ends and the two sides of its outline. With equal width and depth no edge shows a rotation
-        /// about its axis, which is held.
-        Cylinder = "cylinder" "Cylinder",
-    }
-}
+use fit::{Equations, Motion, Sought, View, equations, matched, solution};
+use vocabulary::{case, value};
+use wireframe::{Camera, Solid, Wireframe};
 
 choices! {
     /// Pose at which the search of a frame starts.
@@ -91,31 +81,6 @@ params! {
         max_residual: f32 = 0.6, 0.05..=40.0, "px";
     }
     advanced { "iterations", "epsilon", "spacing" }
-}
-
-/// A model as a camera sees it.
-#[derive(Clone)]
-pub struct View {
-    wireframe: Arc<Wireframe>,
-    camera: Camera,
-    picture: (usize, usize),
-    pose: Pose,
-}
-
-impl View {
-    fn at(&self, pose: Pose) -> Self {
-        Self { pose, ..self.clone() }
-    }
-
-    /// The rectangle around the projection; none if a corner lies at the camera or behind it.
-    fn bounds(&self) -> Option<Bounds> {
-        self.wireframe.bounds(&self.camera, &self.pose)
-    }
-
-    /// How the model is seen in its pose.
-    fn sight(&self) -> Sight {
-        Sight { camera: self.camera, axis: self.wireframe.axis().map(|axis| self.pose.turned(axis)) }
-    }
 }
 
 /// What is carried from frame to frame.
@@ -230,10 +195,10 @@ impl Rapid {
         let sought = self.edges_of(frame, view);
         let equations = equations(&sought, &view.sight());
         let moved = solution(&equations).and_then(|parameters| {
-            let motion = motion_of(&parameters);
+            let motion = fit::motion_of(&parameters);
             let pose = view.pose.after(motion);
             view.wireframe.bounds(&view.camera, &pose)?;
-            Some((motion, pose, farthest(&sought, &view.camera, [&view.pose, &pose])))
+            Some((motion, pose, fit::farthest(&sought, &view.camera, [&view.pose, &pose])))
         });
         let end = match moved {
             None => Some(End::Undetermined),
@@ -246,10 +211,9 @@ impl Rapid {
     /// Judges a pose by the edges at it.
     fn judge(&self, frame: &Frame, view: &View) -> Judged {
         let sought = self.edges_of(frame, view);
-        let found = sought.iter().filter(|sought| sought.edge.is_some()).count();
-        let share = found as f64 / sought.len().max(1) as f64;
-        let covariance = covariance(&sought, &view.sight());
-        let residual_px = median_distance(&sought);
+        let share = matched(&sought) as f64 / sought.len().max(1) as f64;
+        let covariance = fit::covariance(&sought, &view.sight());
+        let residual_px = fit::median_distance(&sought);
         let is_kept = covariance.is_some() && share >= f64::from(self.min_share) && view.bounds().is_some();
         let is_lost = !is_kept || residual_px > f64::from(self.max_residual);
         Judged { view: view.clone(), sought, share, residual_px, covariance, is_kept, is_lost }
@@ -312,17 +276,13 @@ impl RegionModel for Rapid {
         &self.settings
     }
 
-    fn refusal(&self, frame: &Frame, region: Region) -> Option<String> {
+    fn refuse(&self, frame: &Frame, region: Region) -> Option<Sentence> {
         let view = self.placed_in(region, frame.size());
         let sought = self.edges_of(frame, &view);
-        let found = sought.iter().filter(|sought| sought.edge.is_some()).count();
-        solution(&equations(&sought, &view.sight())).is_none().then(|| {
-            format!(
-                "{found} of {} control points of the model have an edge within {} px, and they do not determine the 6 parameters of a pose.",
-                sought.len(),
-                self.search_range
-            )
-        })
+        let (found, all) = (value::MATCHED.is(matched(&sought)), value::CONTROL_POINTS.is(sought.len()));
+        let numbers = [found, all, value::SEARCH_RANGE.is(self.search_range)];
+        let motion = solution(&equations(&sought, &view.sight()));
+        motion.is_none().then(|| Sentence::default().say(case::REFUSED, &numbers))
     }
 
     fn begin(&self, frame: &Arc<Frame>, region: Region, observer: &mut impl Observer<Event>) -> (Model, f32) {

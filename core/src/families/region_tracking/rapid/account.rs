@@ -1,39 +1,40 @@
 //! The poses of a run: how many are wrong where the true ones are known, and how well their edges fit where they are not.
 
-use super::explain::{degrees, length};
+use super::vocabulary::{case, value};
 use super::{Judged, Pose};
-use crate::base::words::counted;
-use crate::methods::numbers::{fixed, percent, px};
+use crate::scene::Step;
 
 /// The error of a rotation in degrees from which on wrong edges were matched: noise makes one far below.
 pub const WRONG_DEG: f64 = 5.0;
 /// The same of a translation, as a share of the distance of the object from the camera.
 pub const WRONG_SHARE: f64 = 0.05;
 
+/// The length of a vector.
+pub fn length(vector: [f64; 3]) -> f64 {
+    vector.iter().map(|c| c * c).sum::<f64>().sqrt()
+}
+
 /// The errors of a pose.
 #[derive(Clone, Copy, Debug)]
 pub struct PoseError {
-    /// The angle of the rotation between both poses in rad.
-    pub angle: f64,
-    /// The length of the translation between them in m, and its share of the distance from the camera.
-    pub shift: f64,
+    /// The angle of the rotation between both poses in degrees.
+    pub degrees: f64,
+    /// The length of the translation between them in mm.
+    pub mm: f64,
+    /// Its share of the distance from the camera.
     pub share: f64,
 }
 
 impl PoseError {
     pub fn of(pose: &Pose, truth: &Pose) -> Self {
         let [rotation, shift] = pose.motion_to(truth).map(length);
-        Self { angle: rotation, shift, share: shift / length(truth.translation).max(f64::MIN_POSITIVE) }
-    }
-
-    /// The angle, the length and its share in words.
-    pub fn words(&self) -> [String; 3] {
-        [degrees(self.angle), format!("{} mm", fixed(1000.0 * self.shift, 1)), percent(self.share)]
+        let share = shift / length(truth.translation).max(f64::MIN_POSITIVE);
+        Self { degrees: rotation.to_degrees(), mm: 1000.0 * shift, share }
     }
 
     /// Whether wrong edges were matched.
     pub fn is_wrong(&self) -> bool {
-        self.angle > WRONG_DEG.to_radians() || self.share > WRONG_SHARE
+        self.degrees > WRONG_DEG || self.share > WRONG_SHARE
     }
 }
 
@@ -82,46 +83,41 @@ impl Count {
         self.wrong > 0
     }
 
-    fn words(self) -> String {
+    fn tell(self, step: Step) -> Step {
         let Self { frames, wrong, unreported } = self;
-        let bound = format!("{} or {} of the distance", degrees(WRONG_DEG.to_radians()), percent(WRONG_SHARE));
-        let reported = match unreported {
-            0 => "all of them reported as lost".to_owned(),
-            _ => format!("{unreported} of them not reported as lost"),
-        };
-        match wrong {
-            0 => format!(
-                "In {} the pose never differs from the true one by more than {bound}.",
-                counted(frames, "frame")
-            ),
-            _ => format!(
-                "The pose differs from the true one by more than {bound} in {wrong} of {frames} frames: pose failures, {reported}."
-            ),
+        let step = step.put(value::TRUE_POSES, frames).put(value::WRONG_POSES, wrong);
+        let step = step.put(value::UNREPORTED, unreported).put(value::WRONG_ANGLE, WRONG_DEG);
+        let step = step.put(value::WRONG_SHARE, 100.0 * WRONG_SHARE);
+        match (wrong, unreported) {
+            (0, _) => step.say(case::NEVER_WRONG),
+            (_, 0) => step.say(case::POSE_FAILURES).say(case::ALL_REPORTED),
+            _ => step.say(case::POSE_FAILURES).say(case::SOME_UNREPORTED),
         }
     }
 }
 
-/// What all frames of a run show, as a sentence; `truth` has the true poses by the index of their frame, where they are known.
-pub fn summary(all: &[Past], truth: impl Fn(usize) -> Option<Pose>) -> Option<String> {
-    Count::of(all, truth).map(Count::words).or_else(|| by_edges(all))
+/// Tells what all frames of a run show; `truth` has the true poses by the index of their frame, where they are known.
+pub fn tell(step: Step, all: &[Past], truth: impl Fn(usize) -> Option<Pose>) -> Step {
+    match Count::of(all, truth) {
+        Some(count) => count.tell(step),
+        None => by_edges(step, all),
+    }
 }
 
-/// How well the edges fit where the object is not lost.
-fn by_edges(all: &[Past]) -> Option<String> {
+/// Tells how well the edges fit where the object is not lost.
+fn by_edges(step: Step, all: &[Past]) -> Step {
     let kept: Vec<_> = all.iter().filter(|past| !past.is_lost).collect();
     let mean = |of: fn(&Past) -> f64| kept.iter().map(|past| of(past)).sum::<f64>() / kept.len() as f64;
-    (!kept.is_empty()).then(|| {
-        format!(
-            "Where it is not lost, {} of the control points have an edge, at a median distance of {} px (means over the frames). Edges of \
-             something else may fit as closely: no true pose is known.",
-            percent(mean(|past| past.share)),
-            px(mean(|past| past.residual_px))
-        )
-    })
+    if kept.is_empty() {
+        return step;
+    }
+    let step = step.put(value::MEAN_SHARE, 100.0 * mean(|past| past.share));
+    step.put(value::MEAN_RESIDUAL, mean(|past| past.residual_px)).say(case::BY_EDGES)
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::line;
     use super::*;
 
     fn past(pose: Option<Pose>, is_lost: bool) -> Past {
@@ -132,7 +128,7 @@ mod tests {
     fn wrong_poses_are_counted_whether_they_are_reported_or_not() {
         let at = |z| Pose::tilted((0.0, 1.0), (0.0, 1.0), [0.0, 0.0, z]);
         let truth = |_| Some(at(2.0));
-        let said = |all: &[Past]| summary(all, truth).expect("a sentence");
+        let said = |all: &[Past]| tell(Step::at(line::MOVE), all, truth).sentence.plain();
         assert!(said(&[past(Some(at(2.09)), false)]).starts_with("In 1 frame the pose never differs"));
         let two = [past(Some(at(2.11)), true), past(Some(at(2.0)), false), past(None, true)];
         assert!(said(&two).contains("in 2 of 3 frames: pose failures, all of them reported"), "{}", said(&two));
@@ -142,8 +138,9 @@ mod tests {
 
     #[test]
     fn without_true_poses_the_edges_are_told() {
-        let said = summary(&[past(None, true), past(None, false)], |_| None).expect("a sentence");
-        assert!(said.contains("90.0 % of the control points") && said.contains("0.20 px"), "{said}");
-        assert_eq!(summary(&[past(None, true)], |_| None), None);
+        let said = |all: &[Past]| tell(Step::at(line::MOVE), all, |_| None).sentence.plain();
+        let told = said(&[past(None, true), past(None, false)]);
+        assert!(told.contains("90.0 % of the control points") && told.contains("0.20 px"), "{told}");
+        assert_eq!(said(&[past(None, true)]), "");
     }
 }

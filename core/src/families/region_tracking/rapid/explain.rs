@@ -1,41 +1,25 @@
 //! The explanation and the drawing of RAPiD.
 
-use super::account::{Count, Past, PoseError, summary};
-use super::fit::{FREEDOM, Sought};
+use super::account::{Count, Past, PoseError, length, tell};
+use super::fit::{FREEDOM, Sought, matched};
+use super::vocabulary::{case, value};
 use super::{End, Event, Iteration, Judged, Model, Motion, Prediction, Rapid, Solid, View, Weighting};
-use crate::base::words::{counted, fixed};
 use crate::data::Pose;
 use crate::geometry::{Bounds, Grid};
-use crate::methods::numbers::{px, ratio};
 use crate::methods::region::{At, Ending, Explained, Outcome};
-use crate::scene::{Arrow, Fact, Math, Matrix, Picture, Readout, Role, Scene, Sentence, Series, Shape};
+use crate::scene::{Arrow, Case, Matrix, Picture, Readout, Role, Scene, Series, Shape, Step};
 
 /// The rows of the six parameters.
 const PARAMETERS: [&str; FREEDOM] = ["θ_x", "θ_y", "θ_z", "Δ_x", "Δ_y", "Δ_z"];
 
-/// An angle in degrees as text.
-pub fn degrees(rad: f64) -> String {
-    format!("{}°", fixed(rad.to_degrees(), 2))
-}
-
-/// A coordinate in m as text.
-fn metres(value: f64) -> String {
-    fixed(value, 3)
-}
-
-/// A translation as text.
-fn translation([x, y, z]: [f64; 3]) -> String {
-    format!("({}, {}, {}) m", metres(x), metres(y), metres(z))
-}
+/// The projection of a point m of the model.
+const PROJECTION: &str =
+    r"u = f \, \frac{X}{Z}, \quad v = f \, \frac{Y}{Z}, \quad (X, Y, Z) = \mathbf{R} \, \mathbf{m} + \mathbf{T}";
 
 /// Turn about the vertical axis of the model, tilt towards the camera, and roll about the optical axis, in rad.
 fn angles(pose: &Pose) -> [f64; 3] {
     let r = &pose.rotation;
     [(-r[2][0]).atan2(r[2][2]), r[2][1].clamp(-1.0, 1.0).asin(), (-r[0][1]).atan2(r[1][1])]
-}
-
-pub fn length(vector: [f64; 3]) -> f64 {
-    vector.iter().map(|c| c * c).sum::<f64>().sqrt()
 }
 
 /// The standard deviations of the parameters: of the rotation in rad, of the translation in m.
@@ -44,101 +28,32 @@ fn deviations(covariance: &[f64]) -> [f64; FREEDOM] {
 }
 
 impl Explained for Rapid {
-    fn sentence(&self, at: &At<'_, Self>) -> Sentence {
-        let said = Sentence::default();
-        match at.event {
-            Event::Placed(view) => self.placed_at(view, said),
-            Event::Predicted([before, after]) => {
-                if at.model.is_some_and(|model| model.motion == Motion::default()) {
-                    return said.text(
-                        "Constant velocity: after the start or a loss there is no last motion, so the search starts at the last pose.",
-                    );
-                }
-                let [rotation, shift] = before.pose.motion_to(&after.pose);
-                said.text("Constant velocity: the pose is predicted with the last motion, a rotation by ")
-                    .ink(Role::Predicted, degrees(length(rotation)))
-                    .text(" and a translation by ")
-                    .ink(Role::Predicted, translation(shift))
-                    .text(". The search range must cover the error of the prediction alone.")
-            }
-            Event::Iterated(iteration) => self.iterated(iteration, said),
-            Event::Judged(judged) => self.judged(judged, said),
-        }
-    }
-
-    fn facts(&self, at: &At<'_, Self>) -> Vec<Fact> {
-        let of_pose = |role, pose: &Pose| {
-            let [turn, tilt, roll] = angles(pose).map(degrees);
-            vec![
-                Fact::new("Turn, tilt, roll", format!("{turn}, {tilt}, {roll}"), Some(role)),
-                Fact::new("Translation", translation(pose.translation), Some(role)),
-            ]
-        };
-        match at.event {
+    fn step(&self, at: &At<'_, Self>, step: Step) -> Step {
+        let step = match at.event {
             Event::Placed(view) => {
-                let focal = Fact::new("Focal length", format!("{} px", px(view.camera.focal)), None);
-                [vec![focal], of_pose(Role::Reference, &view.pose)].concat()
-            }
-            Event::Predicted([_, after]) => of_pose(Role::Predicted, &after.pose),
-            Event::Iterated(iteration) => {
-                let edges = format!("{} of {}", iteration.equations.edges, iteration.sought.len());
-                let facts = vec![
-                    Fact::new("Iteration", iteration.number.to_string(), None),
-                    Fact::new("Control points with an edge", edges, Some(Role::Measured)),
-                    Fact::new(
-                        "Distance of the edges (RMS)",
-                        format!("{} px", px(iteration.equations.rms)),
-                        Some(Role::Error),
-                    ),
-                ];
-                let pose = iteration.moved.as_ref().map(|(_, pose, _)| of_pose(Role::Estimate, pose));
-                [facts, pose.unwrap_or_default()].concat()
-            }
-            Event::Judged(judged) => {
-                let mut facts = of_pose(Role::Estimate, &judged.view.pose);
-                let residual = match judged.residual_px.is_nan() {
-                    true => "undefined: no edge was found".into(),
-                    false => format!("{} px", px(judged.residual_px)),
+                let solid = match self.solid {
+                    Solid::Box => "box",
+                    Solid::Cylinder => "cylinder",
                 };
-                facts.push(Fact::new("Distance of the edges (median)", residual, Some(Role::Error)));
-                if let Some(covariance) = &judged.covariance {
-                    let [a, b, c, x, y, z] = deviations(covariance);
-                    let [a, b, c] = [a, b, c].map(degrees);
-                    let [x, y, z] = [x, y, z].map(|m| fixed(1000.0 * m, 1));
-                    facts.push(Fact::new("σ of the rotation about X, Y, Z", format!("{a}, {b}, {c}"), None));
-                    facts.push(Fact::new("σ of the translation along X, Y, Z", format!("{x}, {y}, {z} mm"), None));
-                }
-                if judged.view.sight().axis.is_some() {
-                    facts.push(Fact::new("Rotation about the axis of the cylinder", "held", None));
-                }
-                if let Some([angle, distance, _]) = error(at).map(|error| error.words()) {
-                    facts.push(Fact::new("Error of the rotation", angle, Some(Role::Error)));
-                    facts.push(Fact::new("Error of the translation", distance, Some(Role::Error)));
-                }
-                facts
+                let step = step.fact(value::FOCAL_LENGTH, view.camera.focal).put(value::SOLID, solid);
+                let step = step.put(value::MODEL_WIDTH, self.model_width).put(value::MODEL_HEIGHT, self.model_height);
+                let step = pose_facts(step.put(value::MODEL_DEPTH, self.model_depth), Role::Reference, &view.pose);
+                let pose = pose_matrix("initial pose of the model", Role::Reference, &view.pose);
+                step.say(case::PLACED).formula(PROJECTION).show(Readout::Matrices(vec![pose]))
             }
-        }
-    }
-
-    fn readouts(&self, at: &At<'_, Self>) -> Vec<Readout> {
-        let mut readouts = match at.event {
-            Event::Placed(view) => vec![
-                Readout::Equation(vec![projection()]),
-                Readout::Matrices(vec![pose_matrix("initial pose of the model", Role::Reference, &view.pose)]),
-            ],
-            Event::Predicted([before, after]) => vec![Readout::Matrices(vec![
-                pose_matrix("last pose", Role::Reference, &before.pose),
-                pose_matrix("predicted pose", Role::Predicted, &after.pose),
-            ])],
-            Event::Iterated(iteration) => self.of_iteration(iteration),
-            Event::Judged(judged) => {
-                let mut matrices = vec![pose_matrix("pose of the model", Role::Estimate, &judged.view.pose)];
-                matrices.extend(judged.covariance.as_deref().map(covariance_matrix));
-                vec![Readout::Equation(vec![self.formula_of_covariance(&judged.view)]), Readout::Matrices(matrices)]
+            Event::Predicted([before, after]) => {
+                let is_first = at.model.is_some_and(|model| model.motion == Motion::default());
+                let motion = before.pose.motion_to(&after.pose);
+                let step = motion_put(pose_facts(step, Role::Predicted, &after.pose), Role::Predicted, &motion);
+                step.say(if is_first { case::NO_MOTION } else { case::PREDICTED }).show(Readout::Matrices(vec![
+                    pose_matrix("last pose", Role::Reference, &before.pose),
+                    pose_matrix("predicted pose", Role::Predicted, &after.pose),
+                ]))
             }
+            Event::Iterated(iteration) => self.iterated(step, iteration),
+            Event::Judged(judged) => self.judged(step, judged, error(at)),
         };
-        readouts.extend(distances(at).map(Readout::Series));
-        readouts
+        step.show_all(distances(at).map(Readout::Series))
     }
 
     fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
@@ -175,209 +90,165 @@ impl Explained for Rapid {
         model.view.bounds()
     }
 
-    fn opening(&self) -> String {
-        format!(
-            "RAPiD is given the shape of an object: its wireframe model fits the region in the first frame at the initial rotation, and follows the \
-             edges in at most {}.",
-            counted(self.settings.frames, "frame")
-        )
+    fn open(&self, step: Step) -> Step {
+        step.say(case::OPENING)
     }
 
-    fn loss(&self, at: &At<'_, Self>) -> Option<String> {
-        let Event::Judged(judged) = at.event else { return None };
-        let why = match judged.covariance {
-            None => "the edges do not determine its pose",
-            Some(_) if !judged.is_kept && judged.share >= f64::from(self.min_share) => {
-                "a corner of its model lies behind the camera"
-            }
-            Some(_) if !judged.is_kept => "too few control points have an edge",
-            Some(_) => "the edges do not fit one pose",
-        };
-        judged.is_lost.then(|| why.into())
+    fn tell_loss(&self, at: &At<'_, Self>, step: Step) -> Step {
+        let Event::Judged(judged) = at.event else { return step };
+        match self.loss(judged) {
+            Some([_, why]) => step.say(why),
+            None => step,
+        }
     }
 
-    fn summary(&self, at: &At<'_, Self>) -> Option<String> {
-        summary(&past(at), &at.poses)
+    fn tell_summary(&self, at: &At<'_, Self>, step: Step) -> Step {
+        tell(step, &past(at), &at.poses)
     }
 
-    fn caveat(&self, at: &At<'_, Self>) -> Option<String> {
-        let error = error(at).filter(PoseError::is_wrong)?;
-        let [angle, distance, share] = error.words();
-        Some(format!(
-            "But the pose differs from the true one by {angle} and {distance}, {share} of the distance: wrong edges were matched, which the \
-             rectangle around the model does not show."
-        ))
+    fn tell_caveat(&self, at: &At<'_, Self>, step: Step) -> Step {
+        match error(at).filter(PoseError::is_wrong) {
+            Some(error) => error_put(step, &error).say(case::WRONG_POSE),
+            None => step,
+        }
     }
 
-    fn advice(&self, ending: Ending, at: &At<'_, Self>) -> String {
+    fn advise(&self, ending: Ending, at: &At<'_, Self>, step: Step) -> Step {
         let has_failures = Count::of(&past(at), &at.poses).is_some_and(|count| count.has_failures());
         let is_followed = ending.outcome == Outcome::Followed && ending.reported == 0 && !has_failures;
-        let advice = match (is_followed, self.pose_prediction) {
-            (true, _) => {
-                "The edges of the object stayed within the search range, so each frame determined the pose anew: errors do not add up."
-            }
-            (false, Prediction::None) => {
-                "The edges left the search range between two frames, or edges of something else were nearer. Constant velocity predicts the \
-                 motion, so that the edges are near their control points."
-            }
-            (false, Prediction::ConstantVelocity) => {
-                "The prediction missed by more than the search range, or edges of something else were nearer. Robust weights take influence \
-                 from single wrong edges; a wrong pose that many of them support is not corrected."
-            }
-        };
-        // A wrong pose has its own sentence above.
-        let off = error(at).filter(|error| !error.is_wrong()).map(|error| {
-            let [angle, distance, _] = error.words();
-            format!(" The last pose differs from the true one by {angle} and {distance}.")
+        let step = step.say(match (is_followed, self.pose_prediction) {
+            (true, _) => case::FOLLOWED,
+            (false, Prediction::None) => case::UNPREDICTED,
+            (false, Prediction::ConstantVelocity) => case::MISPREDICTED,
         });
-        format!("{advice}{}", off.unwrap_or_default())
+        // A wrong pose has its own sentence above.
+        match error(at).filter(|error| !error.is_wrong()) {
+            Some(error) => error_put(step, &error).say(case::LAST_POSE),
+            None => step,
+        }
     }
 }
 
 impl Rapid {
-    fn placed_at(&self, view: &View, said: Sentence) -> Sentence {
-        let [width, height, depth] =
-            [self.model_width, self.model_height, self.model_depth].map(|side| metres(side.into()));
-        let solid = match self.solid {
-            Solid::Box => "box",
-            Solid::Cylinder => "cylinder",
+    fn iterated(&self, step: Step, iteration: &Iteration) -> Step {
+        let (equations, view) = (&iteration.equations, &iteration.view);
+        let step = self.searched(step.fact(value::ITERATION, iteration.number), &iteration.sought);
+        let rms = (equations.edges > 0).then_some(equations.rms);
+        let step = step.fact_if(value::RMS, rms).say(if rms.is_some() { case::SEARCHED } else { case::NO_EDGES });
+        let (weight, normal) = (self.weight(), self.normal_matrix(view));
+        let formula = format!(r"({normal}) \, (\theta, \Delta) = \sum_i {weight} \mathbf{{c}}_i \, l_i");
+        // Parameters in units that move control points alike: degrees and centimetres.
+        let unit = |i: usize| if i < 3 { 1f64.to_radians() } else { 0.01 };
+        let entry = |x: usize, y: usize| equations.matrix[y * FREEDOM + x] * unit(x) * unit(y);
+        let matrix = of_parameters(("C", "normal matrix, in px² per ° and cm"), Role::Measured, entry);
+        let Some((motion, pose, moved)) = &iteration.moved else {
+            return step.say(case::UNDETERMINED).formula(formula).show(Readout::Matrices(vec![matrix]));
         };
-        said.ink(Role::Reference, format!("The model, a {solid} of {width}×{height}×{depth} m,")).text(format!(
-            " fills the region at the initial rotation when its centre lies at {}. The focal length of {} px relates size and distance: one \
-             camera knows only their ratio, the model gives the scale.",
-            translation(view.pose.translation),
-            px(view.camera.focal)
-        ))
+        let step = motion_put(pose_facts(step, Role::Estimate, pose), Role::Estimate, motion);
+        let is_held = view.sight().axis.is_some();
+        let step = step.say(match self.weighting {
+            Weighting::Equal => case::EQUAL,
+            Weighting::Robust => case::ROBUST,
+        });
+        let step = step.say(if is_held { case::HELD } else { case::FREE }).say(case::SOLVED);
+        let step = step.put(value::EPSILON, self.epsilon).put(value::MOVED, *moved).say(match iteration.end {
+            Some(End::Converged) => case::CONVERGED,
+            Some(End::Exhausted | End::Undetermined) => case::EXHAUSTED,
+            None => case::MOVED,
+        });
+        let pose = pose_matrix("pose after the iteration", Role::Estimate, pose);
+        step.formula(formula).show(Readout::Matrices(vec![matrix, pose]))
     }
 
-    fn iterated(&self, iteration: &Iteration, said: Sentence) -> Sentence {
-        let equations = &iteration.equations;
-        let said = said
-            .text(format!("Iteration {}: ", iteration.number))
-            .ink(Role::Measured, format!("{} of {} control points", equations.edges, iteration.sought.len()))
-            .text(format!(
-                " have an edge within {} px of their projection, at an RMS distance of {} px.",
-                self.search_range,
-                px(equations.rms)
-            ));
-        let Some((motion, _, moved)) = &iteration.moved else {
-            return said.text(" These edges do not determine a pose, so the iterations end.");
+    fn judged(&self, step: Step, judged: &Judged, error: Option<PoseError>) -> Step {
+        let residual = if judged.residual_px.is_nan() {
+            value::RESIDUAL.is("undefined: no edge was found")
+        } else {
+            value::RESIDUAL.is(judged.residual_px)
         };
-        let [rotation, shift] = *motion;
-        let what = match self.weighting {
-            Weighting::Equal => "Least squares",
-            Weighting::Robust => "Weighted least squares",
+        let step = pose_facts(step, Role::Estimate, &judged.view.pose).fact_of(residual);
+        let step = self.searched(step, &judged.sought).say(case::POSE);
+        let mut matrices = vec![pose_matrix("pose of the model", Role::Estimate, &judged.view.pose)];
+        matrices.extend(judged.covariance.as_deref().map(covariance_matrix));
+        let step = match &judged.covariance {
+            Some(covariance) => deviated(step, covariance),
+            None => step,
         };
-        let said = said
-            .text(format!(" {what} over {}: rotation by ", Self::unknowns(&iteration.view)))
-            .ink(Role::Estimate, degrees(length(rotation)))
-            .text(", translation by ")
-            .ink(Role::Estimate, translation(shift))
-            .text(". ");
-        let least = fixed(self.epsilon.into(), 3);
-        said.text(match iteration.end {
-            Some(End::Converged) => format!("No control point moves by more than ε = {least} px: converged."),
-            Some(_) => "The maximum number of iterations is reached.".into(),
-            None => format!(
-                "The control points move by up to {} px. A distance along the normal constrains one direction alone (aperture problem); edges \
-                 of several directions together determine the pose.",
-                px(*moved)
-            ),
+        let step = step.fact_if(value::AXIS, judged.view.sight().axis.map(|_| "held"));
+        let step = step.put(value::SHARE, judged.share).put(value::MIN_SHARE, self.min_share);
+        let step = step.put(value::MAX_RESIDUAL, self.max_residual);
+        let step = match self.loss(judged) {
+            Some([told, _]) => step.say(told),
+            None => step,
+        };
+        let step = match error {
+            Some(error) => step.fact(value::ROTATION_ERROR, error.degrees).fact(value::TRANSLATION_ERROR, error.mm),
+            None => step,
+        };
+        let normal = self.normal_matrix(&judged.view);
+        step.formula(format!(r"\mathbf{{P}} = \sigma^2 \, ({normal})^{{-1}}")).show(Readout::Matrices(matrices))
+    }
+
+    /// Adds the control points with an edge.
+    fn searched(&self, step: Step, sought: &[Sought]) -> Step {
+        let step = step.put(value::CONTROL_POINTS, sought.len()).put(value::SEARCH_RANGE, self.search_range);
+        step.fact_as(value::MATCHED.is(matched(sought)), case::MATCHED)
+    }
+
+    /// Why a pose is lost, if it is: as a sentence, and as a clause.
+    fn loss(&self, judged: &Judged) -> Option<[&'static Case; 2]> {
+        judged.is_lost.then(|| match judged.covariance {
+            None => [case::LOST_UNDETERMINED, case::WHY_UNDETERMINED],
+            Some(_) if judged.is_kept => [case::LOST_FIT, case::WHY_FIT],
+            Some(_) if judged.share >= f64::from(self.min_share) => [case::LOST_BEHIND, case::WHY_BEHIND],
+            Some(_) => [case::LOST_EDGES, case::WHY_EDGES],
         })
     }
 
-    fn judged(&self, judged: &Judged, said: Sentence) -> Sentence {
-        let [turn, tilt, _] = angles(&judged.view.pose).map(degrees);
-        let said = said
-            .text("Pose: ")
-            .ink(
-                Role::Estimate,
-                format!("turn {turn}, tilt {tilt}, translation {}", translation(judged.view.pose.translation)),
-            )
-            .text(format!(
-                ". {} of {} have an edge.",
-                judged.sought.iter().filter(|sought| sought.edge.is_some()).count(),
-                counted(judged.sought.len(), "control point")
-            ));
-        let Some(covariance) = &judged.covariance else {
-            return said.text(" The edges do not determine a pose: ").ink(Role::Error, "the object is lost").text(".");
-        };
-        let [.., x, y, z] = deviations(covariance);
-        let across = x.max(y);
-        let why = if z > across { ", since a change of distance moves the edges least" } else { "" };
-        let said = said.text(format!(
-            " The covariance is the variance of the residuals times the inverse of the normal matrix, for independent errors of the edges: σ is {} mm \
-             along the optical axis and {} mm across it{why}.",
-            fixed(1000.0 * z, 1),
-            fixed(1000.0 * across, 1)
-        ));
-        if !judged.is_lost {
-            return said;
-        }
-        let why = match judged.is_kept {
-            false if judged.share >= f64::from(self.min_share) => {
-                " A corner of the model lies behind the camera: ".to_owned()
-            }
-            false => format!(" Share {} < {}: ", ratio(judged.share), ratio(self.min_share.into())),
-            true => format!(
-                " Median distance of the edges {} px > {} px, so they do not fit one pose: ",
-                px(judged.residual_px),
-                px(self.max_residual.into())
-            ),
-        };
-        said.text(why).ink(Role::Error, "the object is lost").text(".")
-    }
-
-    /// The parameters of an iteration in words.
-    fn unknowns(view: &View) -> &'static str {
-        match view.sight().axis {
-            None => "6 parameters",
-            Some(_) => "5 parameters, the rotation about the axis being held",
+    /// The weight of an edge, where the weights are robust.
+    fn weight(&self) -> &'static str {
+        match self.weighting {
+            Weighting::Equal => "",
+            Weighting::Robust => "w_i",
         }
     }
 
-    fn weight(&self) -> Vec<Math> {
-        let weight = || Math::indexed(Math::Var("w"), Math::Var("i"));
-        (self.weighting == Weighting::Robust).then(weight).into_iter().collect()
+    /// The normal matrix: with a where a rotation is held.
+    fn normal_matrix(&self, view: &View) -> String {
+        let held = view.sight().axis.map_or("", |_| r" + \lambda \, \mathbf{a} \mathbf{a}^\top");
+        format!(r"\sum_i {} \mathbf{{c}}_i \mathbf{{c}}_i^\top{held}", self.weight())
     }
+}
 
-    /// Σ w c cᵀ + λ a aᵀ; w of robust weights, a where a rotation is held.
-    fn normal_matrix(&self, view: &View) -> Vec<Math> {
-        let product = |vector: fn() -> Math| vec![vector(), Math::power(vector(), Math::text("T"))];
-        let sum = vec![Math::Sum(Box::new(Math::Var("i")))];
-        let edges = product(|| Math::indexed(Math::Bold("c"), Math::Var("i")));
-        let held = match view.sight().axis {
-            None => Vec::new(),
-            Some(_) => [vec![Math::text(" + λ ")], product(|| Math::Bold("a"))].concat(),
-        };
-        [sum, self.weight(), edges, held].concat()
-    }
+/// Adds the angles and the place of a model.
+fn pose_facts(step: Step, role: Role, pose: &Pose) -> Step {
+    let angles = angles(pose).map(f64::to_degrees);
+    let each = [value::TURN, value::TILT, value::ROLL].into_iter().zip(angles);
+    let step = each.fold(step, |step, (of, angle)| step.put_value(of.is(angle).inked(role)));
+    let step = step.fact_as(value::ANGLES.is(angles).inked(role), case::ANGLES);
+    step.fact_of(value::TRANSLATION.is(pose.translation).inked(role))
+}
 
-    /// (Σ w c cᵀ + λ a aᵀ)(θ, Δ) = Σ w c l.
-    fn normal_equations(&self, view: &View) -> Math {
-        let right = vec![Math::indexed(Math::Bold("c"), Math::Var("i")), Math::indexed(Math::Var("l"), Math::Var("i"))];
-        let equals = vec![Math::text(") (θ, Δ) = "), Math::Sum(Box::new(Math::Var("i")))];
-        Math::Row([vec![Math::text("(")], self.normal_matrix(view), equals, self.weight(), right].concat())
-    }
+/// Adds the angle and the translation of a motion.
+fn motion_put(step: Step, role: Role, [rotation, shift]: &Motion) -> Step {
+    let step = step.put_value(value::ROTATION.is(length(*rotation).to_degrees()).inked(role));
+    step.put_value(value::SHIFT.is(*shift).inked(role))
+}
 
-    /// P = σ² (Σ w c cᵀ + λ a aᵀ)⁻¹.
-    fn formula_of_covariance(&self, view: &View) -> Math {
-        let inverse = Math::power(Math::text(")"), Math::text("−1"));
-        let first = vec![Math::Bold("P"), Math::text(" = "), Math::squared(Math::text("σ")), Math::text(" (")];
-        Math::Row([first, self.normal_matrix(view), vec![inverse]].concat())
-    }
+/// Adds the errors of a pose.
+fn error_put(step: Step, error: &PoseError) -> Step {
+    let step = step.put(value::ROTATION_ERROR, error.degrees).put(value::TRANSLATION_ERROR, error.mm);
+    step.put(value::ERROR_SHARE, 100.0 * error.share)
+}
 
-    fn of_iteration(&self, iteration: &Iteration) -> Vec<Readout> {
-        let matrix = &iteration.equations.matrix;
-        // Parameters in units that move control points alike: degrees and centimetres.
-        let unit = |i: usize| if i < 3 { 1f64.to_radians() } else { 0.01 };
-        let entry = |x: usize, y: usize| matrix[y * FREEDOM + x] * unit(x) * unit(y);
-        let mut matrices = vec![of_parameters(("C", "normal matrix, in px² per ° and cm"), Role::Measured, entry)];
-        matrices.extend(
-            iteration.moved.as_ref().map(|(_, pose, _)| pose_matrix("pose after the iteration", Role::Estimate, pose)),
-        );
-        vec![Readout::Equation(vec![self.normal_equations(&iteration.view)]), Readout::Matrices(matrices)]
-    }
+/// Adds the standard deviations of a pose.
+fn deviated(step: Step, covariance: &[f64]) -> Step {
+    let [a, b, c, x, y, z] = deviations(covariance);
+    let [x, y, z] = [x, y, z].map(|m| 1000.0 * m);
+    let step = step.fact(value::ROTATION_SIGMA, [a, b, c].map(f64::to_degrees));
+    let step = step.fact(value::TRANSLATION_SIGMA, [x, y, z]).put(value::DEPTH_SIGMA, z);
+    let step = step.put(value::LATERAL_SIGMA, x.max(y)).say(case::COVARIANCE);
+    step.say(if z > x.max(y) { case::DEPTH } else { case::END })
 }
 
 /// The error of a judged pose where the true one is known.
@@ -391,22 +262,6 @@ fn past(at: &At<'_, Rapid>) -> Vec<Past> {
     let before = at.model.into_iter().flat_map(|model| model.past.iter().copied());
     let now = if let Event::Judged(judged) = at.event { Some(Past::from(&**judged)) } else { None };
     before.chain(now).collect()
-}
-
-/// u = f X/Z, v = f Y/Z with (X, Y, Z) = R m + T.
-fn projection() -> Math {
-    Math::Row(vec![
-        Math::text("u = f "),
-        Math::over(Math::text("X"), Math::text("Z")),
-        Math::text(",  v = f "),
-        Math::over(Math::text("Y"), Math::text("Z")),
-        Math::text(",  (X, Y, Z) = "),
-        Math::Bold("R"),
-        Math::text(" "),
-        Math::Bold("m"),
-        Math::text(" + "),
-        Math::Bold("T"),
-    ])
 }
 
 fn pose_matrix(name: &'static str, role: Role, pose: &Pose) -> Matrix {

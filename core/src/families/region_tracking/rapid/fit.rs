@@ -1,9 +1,12 @@
 //! The refinement of a pose by the edges along the normals of control points.
 
+use std::sync::Arc;
+
 use crate::data::{Frame, Pose};
+use crate::geometry::Bounds;
 use crate::methods::alignment::solve;
 
-use super::wireframe::{Camera, Control, Point, Vector};
+use super::wireframe::{Camera, Control, Point, Vector, Wireframe};
 use super::{Rapid, Weighting};
 
 /// A rotation vector in rad and a translation in m.
@@ -29,12 +32,42 @@ impl Sought {
     }
 }
 
+/// The number of control points with an edge.
+pub fn matched(all: &[Sought]) -> usize {
+    all.iter().filter(|sought| sought.edge.is_some()).count()
+}
+
 /// How a model is seen: by a camera, and with an axis about which a rotation changes nothing.
 #[derive(Clone, Copy, Debug)]
 pub struct Sight {
     pub camera: Camera,
     /// The axis of symmetry in the coordinates of the camera, of unit length. The rotation about it is held.
     pub axis: Option<Vector>,
+}
+
+/// A model as a camera sees it.
+#[derive(Clone)]
+pub struct View {
+    pub wireframe: Arc<Wireframe>,
+    pub camera: Camera,
+    pub picture: (usize, usize),
+    pub pose: Pose,
+}
+
+impl View {
+    pub fn at(&self, pose: Pose) -> Self {
+        Self { pose, ..self.clone() }
+    }
+
+    /// The rectangle around the projection; none if a corner lies at the camera or behind it.
+    pub fn bounds(&self) -> Option<Bounds> {
+        self.wireframe.bounds(&self.camera, &self.pose)
+    }
+
+    /// How the model is seen in its pose.
+    pub fn sight(&self) -> Sight {
+        Sight { camera: self.camera, axis: self.wireframe.axis().map(|axis| self.pose.turned(axis)) }
+    }
 }
 
 /// The normal equations of an iteration.

@@ -1,10 +1,22 @@
 //! Wireframe models of convex solids, the camera that sees them, and their control points.
 
+use crate::choices;
 use crate::data::Pose;
 use crate::geometry::Bounds;
 use crate::products::Region;
 
-use super::{Rapid, Solid};
+use super::Rapid;
+
+choices! {
+    /// Shape of the model.
+    pub enum Solid {
+        /// Box: its visible edges.
+        Box = "box" "Box",
+        /// Upright cylinder: the ellipses of its ends and the two sides of its outline. With equal width and depth no edge shows a rotation
+        /// about its axis, which is held.
+        Cylinder = "cylinder" "Cylinder",
+    }
+}
 
 /// A position or direction in space in m.
 pub type Vector = [f64; 3];
