@@ -54,7 +54,7 @@ variables! { pub mod value;
     UNUSABLE_TO: "Frame after it", "", Unit::WHOLE;
     /// The number of motions that bend the picture.
     BENT: "Bent pairs", "", Unit::count("");
-    /// The first frame of the first pair whose motion bends the picture.
+    /// The first frame of the first pair with a motion that bends the picture.
     BENT_FROM: "First bent frame", "", Unit::WHOLE;
     /// The second frame of that pair.
     BENT_TO: "Frame after it", "", Unit::WHOLE;

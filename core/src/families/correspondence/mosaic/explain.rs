@@ -19,7 +19,7 @@ const MOSAIC: Picture = Picture { role: PictureRole::Mosaic, ..Picture::CURRENT 
 const SEAMS_PX: f64 = 3.0;
 
 variables! {
-    /// The frame in whose coordinates the mosaic is.
+    /// The frame that gives the mosaic its coordinates.
     REFERENCE: "Reference frame", "c", Unit::WHOLE;
     /// Width and height of the mosaic.
     SIZE: "Mosaic", "", Unit::WHOLE, Role::Result;
