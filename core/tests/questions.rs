@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use common::{clip_of, set};
 use motionscope_core::examples::{self, Example};
-use motionscope_core::scene::{Answer, Asked, Picture, Question, Scene, Sentence, Shown, asked};
+use motionscope_core::scene::{Answer, Asked, Picture, Question, Scene, Shown, asked};
 use motionscope_core::{
     AnyEstimator, BlockField, Clip, Cursor, Direction, Move, Params as _, RegionField, Step, Threads, Walk, estimators,
     synth,
@@ -223,21 +223,21 @@ fn the_first_answer_of_a_run_needs_thought() {
     }
 }
 
+/// The gain of a tracker is a value of its steps; half of the way is a case of its own.
 #[test]
-fn what_lies_between_two_answers_is_not_asked() {
-    let gain = |gain: &str| format!("Track 1: the update with gain K = {gain} moves the position.");
-    for (id, question, said) in [("kalman-tracker", "gain", ["0.499", "0.500", "0.501"].map(gain))] {
-        let question = estimator_questions(id).iter().find(|of| of.id == question).expect("it is declared");
-        let Asked::Choice(cases) = question.asked else { panic!("{id}: {} has no choices", question.text) };
-        let scene = Scene::default();
-        let answers = said.map(|said| {
-            let step = Step { sentence: Sentence::default().text(said), ..Step::at(cases[0].line) };
-            let shown = Shown { step: &step, scene: &scene };
-            question.answer(shown, shown)
-        });
-        assert!(answers[0].is_some() && answers[2].is_some() && answers[0] != answers[2], "{id}: {answers:?}");
-        assert_eq!(answers[1], None, "{id}: neither answer is right");
-    }
+fn an_update_half_of_the_way_is_not_asked_for() {
+    let question = estimator_questions("kalman-tracker").iter().find(|of| of.id == "gain").expect("it is declared");
+    let Asked::Choice([above, below]) = question.asked else { panic!("two answers") };
+    let (gain, limit) = above.above.expect("the gain");
+    let scene = Scene::default();
+    let answer = |number: f64| {
+        let case = (number != 0.5).then_some(below.case).flatten();
+        let step = Step::at(above.line).put(gain, number);
+        let step = case.into_iter().fold(step, Step::say);
+        question.answer(Shown { step: &step, scene: &scene }, Shown { step: &step, scene: &scene })
+    };
+    assert_eq!(limit, 0.5);
+    assert_eq!([0.499, 0.5, 0.501].map(answer), [Some(Answer::Choice(1)), None, Some(Answer::Choice(0))]);
 }
 
 fn estimator_questions(id: &str) -> &'static [Question] {

@@ -90,12 +90,13 @@ pub fn counted(count: usize, one: &str) -> String {
     if count == 1 { format!("1 {one}") } else { format!("{count} {}", plural(one)) }
 }
 
-/// The plural of a noun: `frames`, `matches`, `trajectories`, `maxima`.
+/// The plural of a noun: `frames`, `matches`, `trajectories`, `hypotheses`, `maxima`.
 pub fn plural(one: &str) -> String {
     match one.strip_suffix('y') {
         _ if one.is_empty() => String::new(),
         Some(stem) if !stem.ends_with(['a', 'e', 'o', 'u']) => format!("{stem}ies"),
-        _ if one.ends_with("ch") => format!("{one}es"),
+        _ if one.ends_with("ch") || one.ends_with("ss") => format!("{one}es"),
+        _ if one.ends_with("sis") => format!("{}es", &one[..one.len() - 2]),
         _ if one.ends_with("imum") => format!("{}a", &one[..one.len() - 2]),
         _ => format!("{one}s"),
     }

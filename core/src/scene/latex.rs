@@ -67,6 +67,7 @@ const UPRIGHT: &[(&str, &str)] = &[
     ("exp", "exp "),
     ("log", "log "),
     ("ln", "ln "),
+    ("prod", "∏"),
     ("det", "det "),
     ("cos", "cos "),
     ("sin", "sin "),
@@ -90,6 +91,7 @@ const BETWEEN: &[(&str, &str)] = &[
     ("to", "→"),
     ("gets", "←"),
     ("in", "∈"),
+    ("ni", "∋"),
 ];
 
 /// Reads a formula without values.

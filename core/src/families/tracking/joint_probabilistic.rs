@@ -3,9 +3,11 @@
 //!
 //! T. E. Fortmann, Y. Bar-Shalom and M. Scheffe, Sonar tracking of multiple targets using joint probabilistic data association, 1983.
 
+mod charts;
 mod coalescence;
 mod events;
 mod explain;
+mod vocabulary;
 
 use std::sync::Arc;
 
@@ -19,6 +21,7 @@ use crate::methods::{
         self, Extent,
         chances::Chances,
         dynamics::Dynamics,
+        explain::ShownTrack,
         lifecycle::{Rules, TrackAge},
         tracker_run::{self, Conclusion},
         tracking::{MultiTracker, MultiTracking},
@@ -26,9 +29,10 @@ use crate::methods::{
 };
 use crate::products::{Object, ObjectFrame};
 use crate::run::{Info, Need, Progress, Seen};
-use crate::scene::{Question, Reading, Role, Scene, Step};
+use crate::scene::{Question, Reply, Role, Scene, Step};
 use crate::{params, pseudocode};
 use events::{Joint, Validation};
+use vocabulary::{case, value};
 
 params! {
     /// Multi-object tracking with soft data association.
@@ -105,6 +109,10 @@ impl Track {
         self.extent.around(self.filter.place())
     }
 
+    fn shown(&self) -> ShownTrack<'_> {
+        ShownTrack { id: self.id, filter: &self.filter, bounds: self.bounds(), age: self.age }
+    }
+
     fn object(&self, detection: Option<usize>) -> Object {
         Object { detection, ..object_of(&self.filter, self.id, self.bounds(), self.age.status) }
     }
@@ -154,12 +162,16 @@ impl MultiTracker for JointProbabilistic {
         frames: 2,
     };
     const QUESTIONS: &'static [Question] = &[
-        multi_object::tracking::ASSOCIATED,
-        Question::number(
-            "events",
-            "How many feasible joint events are there?",
-            Reading { line: line::ENUMERATE, after: "have ", before: " feasible joint events", unit: "events" },
+        Question::choice(
+            "associated",
+            "What becomes of the next track?",
+            &[
+                Reply::at(line::UPDATE_TRACK, "It is updated"),
+                Reply::told(line::COAST_OR_END, case::COASTS, "It coasts"),
+                Reply::at(line::COAST_OR_END, "It is deleted"),
+            ],
         ),
+        Question::value("events", "How many feasible joint events are there?", line::ENUMERATE, value::JOINT_EVENTS),
     ];
     type Tracks = Vec<Track>;
     type Event = Event;

@@ -1,7 +1,9 @@
 //! Multi-object tracking with a Kalman filter per track and data association in every frame (SORT and its successors).
 
 mod association;
+mod charts;
 mod explain;
+mod vocabulary;
 
 use std::sync::Arc;
 
@@ -14,18 +16,21 @@ use crate::methods::{
     multi_object::{
         self, Extent,
         dynamics::Dynamics,
+        explain::ShownTrack,
         lifecycle::{Rules, TrackAge},
         partial::WholeSize,
         tracker_run::{self, Conclusion},
         tracking::{MultiTracker, MultiTracking},
+        vocabulary::{case as shared_case, value as shared},
     },
 };
 use crate::products::{Object, ObjectFrame, TrackStatus};
 use crate::run::{Info, Need, Progress, Seen};
-use crate::scene::{Question, Reading, Reply, Role, Scene, Step};
+use crate::scene::{Question, Reply, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
-pub use association::Costs;
+pub use association::{Costs, Pair};
+use vocabulary::{case, value};
 
 choices! {
     /// The assignment method.
@@ -116,8 +121,8 @@ pub enum Event {
     Predicted(Arc<Vec<Track>>),
     /// The cost matrix; infinite outside the gate.
     Costs(Arc<Costs>),
-    /// An assigned pair.
-    Assigned(Arc<Costs>, [usize; 2]),
+    /// An assigned pair, and the row of its track.
+    Assigned(Arc<Costs>, usize, Pair),
     /// A track is updated: before and after.
     Updated(Box<[Track; 2]>, Measurement),
     /// A track without a detection.
@@ -134,6 +139,10 @@ impl Track {
     /// Returns the box at the estimated position.
     fn bounds(&self) -> Bounds {
         self.extent.around(self.filter.place())
+    }
+
+    fn shown(&self) -> ShownTrack<'_> {
+        ShownTrack { id: self.id, filter: &self.filter, bounds: self.bounds(), age: self.age }
     }
 
     fn object(&self, detection: Option<usize>) -> Object {
@@ -198,9 +207,6 @@ pseudocode! {
     BEGIN_TRACK: "    start a track, tentative until min-hits frames and min-travel",
 }
 
-/// Where an update says how far it goes along x from the prediction to the detection.
-const GAIN: Reading = Reading { line: line::UPDATE_TRACK, after: "with gain K = ", before: " moves", unit: "" };
-
 impl MultiTracker for KalmanTracker {
     const INFO: Info = Info {
         id: "kalman-tracker",
@@ -220,25 +226,25 @@ impl MultiTracker for KalmanTracker {
             "gain",
             "Along x, will the updated position of the next track be nearer to its prediction or to its detection?",
             &[
-                Reply::over(GAIN, 0.5, "Nearer to the detection"),
-                Reply::says(line::UPDATE_TRACK, "with gain", "Nearer to the prediction"),
+                Reply::above(line::UPDATE_TRACK, (value::GAIN, 0.5), "Nearer to the detection"),
+                Reply::told(line::UPDATE_TRACK, case::BY_GAIN, "Nearer to the prediction"),
             ],
-        )
-        .unless("K = 0.500 "),
+        ),
         Question::choice(
             "unassigned",
             "What becomes of the next track without a detection?",
             &[
-                Reply::says(line::COAST_OR_END, "is deleted", "It is deleted"),
-                Reply::at(line::COAST_OR_END, "It coasts"),
+                Reply::told(line::COAST_OR_END, case::COASTS, "It coasts"),
+                Reply::at(line::COAST_OR_END, "It is deleted"),
             ],
         ),
-        Question::number(
+        Question::value(
             "gated",
             "How many pairs of a track and a detection does gating leave?",
-            Reading { line: line::COMPUTE_COSTS, after: "Gating leaves ", before: " of", unit: "pairs" },
+            line::COMPUTE_COSTS,
+            shared::GATED,
         )
-        .unless("of 0 pairs"),
+        .unless_told(&[shared_case::NONE_TO_GATE]),
     ];
     type Tracks = Vec<Track>;
     type Event = Event;
@@ -269,7 +275,7 @@ impl MultiTracker for KalmanTracker {
         let costs = Arc::new(self.costs(clip, (tracks, detections), is_high)?);
         observer.see(|| Event::Costs(Arc::clone(&costs)));
         for (row, pair) in costs.pairs.iter().enumerate().filter_map(|(row, pair)| Some((row, (*pair)?))) {
-            observer.see(|| Event::Assigned(Arc::clone(&costs), [row, pair.column]));
+            observer.see(|| Event::Assigned(Arc::clone(&costs), row, pair));
         }
         let objects = self.update_tracks(state, &costs, observer);
         let frame = state.run.finished(self.rules, Vec::clone(&costs.detections), objects);

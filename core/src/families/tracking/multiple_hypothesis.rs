@@ -4,10 +4,13 @@
 //! D. B. Reid, An algorithm for tracking multiple targets, 1979, with the k best hypotheses of each scan by Murty's algorithm and
 //! N-scan pruning (I. J. Cox and S. L. Hingorani, 1996).
 
+mod charts;
+mod drawing;
 mod expand;
 mod explain;
 mod forest;
 mod tree;
+mod vocabulary;
 
 use std::sync::Arc;
 
@@ -21,14 +24,16 @@ use crate::methods::multi_object::{
     lifecycle::Rules,
     tracker_run::{self, Conclusion},
     tracking::{MultiTracker, MultiTracking},
+    vocabulary::{case as shared_case, value as shared},
 };
 use crate::products::{Object, ObjectFrame};
 use crate::run::{Info, Need, Progress, Seen};
-use crate::scene::{Chart, Question, Reading, Reply, Role, Scene, Step};
+use crate::scene::{Chart, Question, Reply, Role, Scene, Step};
 use crate::{params, pseudocode};
 use expand::{Expansion, Gates};
 use forest::{Cluster, Hypothesis, Scan, Track};
 use tree::Tree;
+use vocabulary::case;
 
 /// Noise as the boxes of detectors of persons have it, which lie within 0.04 heights of the true ones (standard deviation): hypotheses are
 /// weighed by their densities, where a gate only has to be wide enough.
@@ -162,16 +167,17 @@ impl MultiTracker for MultipleHypothesis {
             "pruned",
             "Does N-scan pruning delete hypotheses?",
             &[
-                Reply::says(line::PRUNE, "all hypotheses explain it alike", "No: all explain that frame alike"),
-                Reply::says(line::PRUNE, "N-scan pruning deletes", "Yes"),
+                Reply::told(line::PRUNE, case::ALIKE, "No: all explain that frame alike"),
+                Reply::told(line::PRUNE, case::PRUNED, "Yes"),
             ],
         ),
-        Question::number(
+        Question::value(
             "gated",
             "How many pairs of a track and a detection does gating leave?",
-            Reading { line: line::GATE, after: "Gating leaves ", before: " of", unit: "pairs" },
+            line::GATE,
+            shared::GATED,
         )
-        .unless("of 0 pairs"),
+        .unless_told(&[shared_case::NONE_TO_GATE]),
     ];
     const CHARTS: &'static [Chart] = &[Chart::Diagram, Chart::Matrices, Chart::Series];
     type Tracks = Vec<Cluster>;

@@ -1,343 +1,205 @@
-//! Words, tables and marks shared by the steps of multi-object trackers.
+//! What the steps of all multi-object trackers say.
 
-use std::ops::Range;
+pub(crate) use super::drawing::{
+    ShownTrack, draw_detections, draw_progress, label, number_detections, rect, role, series, trail, work_at, work_on,
+};
+pub(crate) use super::former::{count, detected, done, missed_in_a_row, velocity};
+pub(crate) use super::tables::Names;
 
+use super::drawing::of_status;
 use super::gating::MOST_NEAR;
-use super::tracker_run::{Conclusion, TrackerRun};
-pub(crate) use crate::base::words::counted as count;
-use crate::base::words::{grouped, heading};
-use crate::data::Detection;
-use crate::geometry::Bounds;
-use crate::geometry::Grid;
-use crate::methods::numbers::{fixed, px, ratio};
+use super::lifecycle::Rules;
+use super::tracker_run::Conclusion;
+use super::vocabulary::{case, value};
+use crate::base::words::{heading_deg, rounded};
+use crate::methods::kalman::Filter;
 use crate::products::{
     ObjectFrame, TrackStatus,
     objects::score::{Matches, Scores},
 };
-use crate::scene::{Fact, Matrix, Picture, Readout, Sentence, Series, Shape};
-use crate::scene::{Role, Scene};
+use crate::scene::{Case, Number, Step, Unit, Value};
 
-/// The length of a drawn trail in frames.
-const TRAIL_FRAMES: usize = 40;
-/// The maximum number of rows and columns of a shown table.
-const SHOWN: usize = 12;
+/// The most detections of tracks that a sentence lists.
+const LISTED: usize = 4;
 
-/// The detections of a frame in words, and those discarded by the minimum score.
-pub(crate) fn detected((all, one): (usize, &str), frame: usize, (discarded, min_score): (usize, f32)) -> Sentence {
-    Sentence::default().ink(Role::Measured, format!("{} in frame {frame}", count(all, one))).text(match discarded {
-        0 => ".".into(),
-        _ => format!("; {discarded} more discarded with a score below the minimum of {}.", fixed(min_score.into(), 2)),
+/// Says how many detections the frame has, and how many the minimum score has discarded.
+pub(crate) fn found(step: Step, (detections, unit): (usize, Unit), (discarded, min_score): (usize, f32)) -> Step {
+    let step = step.put_value(value::DETECTIONS.is(detections).in_unit(unit)).say(case::DETECTED);
+    let step = step.put(value::DISCARDED, discarded).put(value::MIN_SCORE, min_score);
+    step.say_if(discarded > 0, case::DISCARDED).say(case::END)
+}
+
+/// Puts the gate, its pairs, and the pairs of all tracks and detections.
+pub(crate) fn gates(step: Step, gated: usize, [tracks, detections]: [usize; 2], (gate, share): (f64, f32)) -> Step {
+    let step = step.put(value::GATED, gated).put(value::PAIRS, tracks * detections);
+    step.put(value::GATE, gate).put(value::GATE_PROBABILITY, 100.0 * share)
+}
+
+/// Says how many pairs are inside the gate, by a case of the tracker, where there are pairs.
+pub(crate) fn gated(step: Step, case_of_pairs: &'static Case) -> Step {
+    let is_any = step.real(value::PAIRS) > 0.0;
+    step.say(if is_any { case_of_pairs } else { case::NONE_TO_GATE })
+}
+
+/// Says for how many tracks only the nearest detections are compared.
+pub(crate) fn crowded(step: Step, tracks: usize) -> Step {
+    step.put(value::CROWDED, tracks).put(value::MOST_NEAR, MOST_NEAR).say_if(tracks > 0, case::CROWDED)
+}
+
+/// Adds the velocity among the facts.
+pub(crate) fn moving(step: Step, velocity: [f64; 2]) -> Step {
+    let heading = heading_deg(velocity);
+    // One value for left.
+    let step = step.put(value::HEADING, if heading.round() <= -180.0 { 180.0 } else { heading });
+    step.fact_as(value::SPEED.is(velocity[0].hypot(velocity[1])), case::VELOCITY)
+}
+
+/// The standard deviations of the position along x and y, or the one that both have.
+pub(crate) fn deviation(filter: &Filter) -> Number {
+    let [[xx, _], [_, yy]] = filter.place_covariance();
+    let [x, y] = [xx, yy].map(|variance| variance.max(0.0).sqrt());
+    if rounded(x, 2) == rounded(y, 2) { x.into() } else { [x, y].into() }
+}
+
+/// Adds a track among the facts.
+pub(crate) fn with_track(step: Step, track: &ShownTrack, rules: Rules) -> Step {
+    let ShownTrack { id, filter, age, .. } = track;
+    let step = step.fact(value::TRACK, *id).fact(value::STATUS, age.status.name()).fact(value::HITS, age.hits);
+    let step = moving(step, filter.velocity()).fact(value::DEVIATION, deviation(filter));
+    let step = step.put(value::POSITION, filter.place()).put(value::MISSED, age.missed);
+    step.put(value::MIN_HITS, rules.min_hits).put(value::MAX_AGE, rules.max_age)
+}
+
+/// Puts the place and the deviation of a track before its update.
+pub(crate) fn from_prediction(step: Step, filter: &Filter) -> Step {
+    step.put(value::POSITION_BEFORE, filter.place()).put(value::DEVIATION_BEFORE, deviation(filter))
+}
+
+/// Says why a track is deleted.
+pub(crate) fn deleted(step: Step, track: &ShownTrack, rules: Rules) -> Step {
+    step.say(match track.age.status {
+        TrackStatus::Tentative => case::DELETED_TENTATIVE,
+        _ if track.age.missed < rules.max_age => case::DELETED_OUTSIDE,
+        _ => case::DELETED_OLD,
     })
 }
 
-/// The limit of the number of detections that are compared with a track, in words for the tracks that reached it.
-pub(crate) fn crowded(tracks: usize) -> String {
-    match tracks {
-        0 => String::new(),
-        all => format!(" Of {}, only the {MOST_NEAR} nearest detections are compared.", count(all, "track")),
-    }
+/// Says how often a track was missed in a row.
+pub(crate) fn missed(step: Step, missed: usize) -> Step {
+    step.say_if(missed > 1, case::IN_A_ROW).say(case::MAX_AGE)
 }
 
-/// A velocity as speed and heading.
-pub(crate) fn speed([u, v]: [f64; 2]) -> String {
-    format!("{} px/frame, heading {}", px(u.hypot(v)), heading([u, v]))
+/// Says the origins of detections: the track of each with the case of its kind, then the number of false alarms.
+pub(crate) fn origins(step: Step, all: &[(usize, Option<(u32, &'static Case)>)]) -> Step {
+    let of_tracks: Vec<_> = all.iter().filter_map(|(detection, of)| Some((*detection, (*of)?))).collect();
+    let others = of_tracks.len().saturating_sub(LISTED);
+    let clutter = all.len() - of_tracks.len();
+    let step = of_tracks.iter().take(LISTED).enumerate().fold(step, |step, (i, (detection, (id, kind)))| {
+        let step = step.say_if(i > 0, case::COMMA).put(value::DETECTION, detection + 1).put(value::ORIGIN, *id);
+        step.say(case::DETECTION_IS).say(kind)
+    });
+    let step = step.put(value::OTHERS, others).put(value::CLUTTER, clutter);
+    let step = step.say_if(others > 0, case::COMMA).say_if(others > 0, case::OTHERS);
+    step.say_if(clutter > 0 && !of_tracks.is_empty(), case::COMMA).say_if(clutter > 0, case::CLUTTER)
 }
 
-/// The same with how a heading is counted.
-pub(crate) fn velocity(velocity: [f64; 2]) -> String {
-    format!("{} (90° is down)", speed(velocity))
-}
-
-/// The names of rows and columns of a table of tracks (rows) and detections (columns).
-pub(crate) struct Names {
-    pub rows: Vec<String>,
-    pub columns: Vec<String>,
-}
-
-impl Names {
-    /// Names tracks as given, and detections by their numbers from 1.
-    pub fn new(rows: impl IntoIterator<Item = String>, columns: impl IntoIterator<Item = usize>) -> Self {
-        let columns = columns.into_iter().map(|column| (column + 1).to_string()).collect();
-        Self { rows: rows.into_iter().collect(), columns }
-    }
-
-    /// Returns the shown part of a table that is too large.
-    pub fn shown(&self) -> Option<Fact> {
-        let shown = |names: &[String]| format!("{} of {}", names.len().min(SHOWN), names.len());
-        let is_larger = self.rows.len().max(self.columns.len()) > SHOWN;
-        is_larger.then(|| {
-            let text = format!("{} rows, {} columns", shown(&self.rows), shown(&self.columns));
-            Fact::new("Shown part of table", text, None)
-        })
-    }
-
-    /// Returns the table of `entry` by row and column, of a large one the part around the lit cells; `None` if it is empty.
-    pub fn table(
-        &self,
-        (symbol, name): (&'static str, &'static str),
-        entry: impl Fn(usize, usize) -> f64,
-        lit: &[(usize, usize)],
-    ) -> Option<Matrix> {
-        let rows = window(self.rows.len(), lit.iter().map(|(row, _)| *row));
-        let columns = window(self.columns.len(), lit.iter().map(|(_, column)| *column));
-        if columns.is_empty() || rows.is_empty() {
-            return None;
-        }
-        let mut changed = Grid::new(columns.len(), rows.len(), false);
-        for (row, column) in lit.iter().filter(|(row, column)| rows.contains(row) && columns.contains(column)) {
-            changed[(column - columns.start, row - rows.start)] = true;
-        }
-        Some(Matrix {
-            symbol,
-            name,
-            role: None,
-            entries: Grid::from_fn(columns.len(), rows.len(), |x, y| entry(rows.start + y, columns.start + x)),
-            rows: self.rows[rows].to_vec(),
-            columns: self.columns[columns].to_vec(),
-            changed: Some(changed),
-            decimals: None,
-        })
-    }
-}
-
-/// Returns the shown range of `all` rows or columns, with the lit ones in its middle if they fit.
-fn window(all: usize, lit: impl Iterator<Item = usize>) -> Range<usize> {
-    let [low, high] = lit.fold([usize::MAX, 0], |[low, high], i| [low.min(i), high.max(i)]);
-    let spare = SHOWN.saturating_sub((high + 1).saturating_sub(low));
-    let first = if low > high { 0 } else { low.saturating_sub(spare / 2) };
-    let first = first.min(all.saturating_sub(SHOWN));
-    first..all.min(first + SHOWN)
-}
-
-pub(crate) fn rect(scene: &mut Scene, role: Role, Bounds { min, max }: Bounds) {
-    scene.mark(Picture::CURRENT, role, Shape::Rect { min, max });
-}
-
-/// Room around the objects of a step, in sizes of the largest box: their surroundings are seen too.
-const AROUND: f32 = 2.5;
-
-/// Makes the surroundings of an object the place where the step works: what the sentence is about is what the stage shows.
-pub(crate) fn work_at(scene: &mut Scene, bounds: Bounds) {
-    work_on(scene, [bounds]);
-}
-
-/// The same of several objects, such as the tracks and the detections of a cluster.
-pub(crate) fn work_on(scene: &mut Scene, all: impl IntoIterator<Item = Bounds>) {
-    let side = |bounds: &Bounds| bounds.size().into_iter().fold(0.0, f32::max);
-    let around = |(one, largest): (Bounds, f32), (other, side): (Bounds, f32)| {
-        let min = [0, 1].map(|i| one.min[i].min(other.min[i]));
-        let max = [0, 1].map(|i| one.max[i].max(other.max[i]));
-        (Bounds { min, max }, largest.max(side))
-    };
-    let hull = all.into_iter().map(|bounds| (bounds, side(&bounds))).reduce(around);
-    let room = |(Bounds { min, max }, largest): (Bounds, f32)| {
-        let room = AROUND * largest;
-        [min.map(|c| c - room), max.map(|c| c + room)]
-    };
-    scene.work = hull.map(room);
-}
-
-/// Draws the boxes of detections.
-pub(crate) fn draw_detections<'a>(scene: &mut Scene, all: impl IntoIterator<Item = &'a Detection>) {
-    all.into_iter().for_each(|found| rect(scene, Role::Measured, found.bounds));
-    scene.legend(Role::Measured, "detection");
-}
-
-/// Writes the name of a track above its box.
-pub(crate) fn label(scene: &mut Scene, role: Role, at: [f32; 2], text: String) {
-    let text = Shape::Text { at, text };
-    if text.is_finite() {
-        scene.mark(Picture::CURRENT, role, text);
-    }
-}
-
-/// The role of a track in the picture, and its meaning in the legend.
-pub(crate) fn role(status: TrackStatus) -> (Role, &'static str) {
-    match status {
-        TrackStatus::Tentative => (Role::Candidate, "tentative track"),
-        TrackStatus::Confirmed => (Role::Estimate, "confirmed track"),
-        TrackStatus::Coasting => (Role::Predicted, "coasting track"),
-    }
-}
-
-/// Draws the recent trajectory of a track.
-pub(crate) fn trail(scene: &mut Scene, run: &TrackerRun, role: Role, (id, now): (u32, [f64; 2])) {
-    let recent = run.frames().len().saturating_sub(TRAIL_FRAMES);
-    let places = run.frames()[recent..]
-        .iter()
-        .filter_map(|frame| frame.object(id).map(|object| object.position.map(|c| c as f32)));
-    let points: Vec<[f32; 2]> = places.chain([now.map(|c| c as f32)]).collect();
-    if points.len() > 1 {
-        scene.mark_of(id, Picture::CURRENT, role, Shape::Path { points, closed: false });
-    }
-}
-
-/// The plot of detections and tracks of each frame.
-pub(crate) fn series(run: &TrackerRun) -> Option<Readout> {
-    let frames = run.frames();
-    let line = |of: &dyn Fn(&ObjectFrame) -> usize| -> Vec<[f32; 2]> {
-        frames.iter().enumerate().map(|(i, frame)| [(run.span.first + i) as f32, of(frame) as f32]).collect()
-    };
-    let with = |status: TrackStatus| line(&move |frame| of_status(frame, status));
-    let lines = vec![
-        ("detections", Role::Measured, line(&|frame| frame.detections.len())),
-        ("confirmed tracks", Role::Estimate, with(TrackStatus::Confirmed)),
-        ("coasting tracks", Role::Predicted, with(TrackStatus::Coasting)),
-    ];
-    let x_max = run.span.first + run.span.frames().map_or(frames.len(), |frames| frames - 1);
-    let series = Series {
-        title: "Detections and tracks of finished frames",
-        x_label: "frame",
-        y_label: "number per frame",
-        x_max,
-        lines,
-        decimals: Some(0),
-        ..Series::default()
-    };
-    (frames.len() > 1).then_some(Readout::Series(series))
-}
-
-fn of_status(frame: &ObjectFrame, status: TrackStatus) -> usize {
-    frame.objects.iter().filter(|object| object.status == status).count()
-}
-
-/// The conclusion of a frame, and at its end of the run: counts, scores, the kind of error and the remedy.
-pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) -> String {
+/// Says the conclusion of a frame, and at its end of the run: counts, scores, the kind of error and the remedy.
+pub(crate) fn concluded(step: Step, frame: &ObjectFrame, conclusion: &Conclusion) -> Step {
     let of = |status| of_status(frame, status);
-    let [seen, coasting, tentative] = [TrackStatus::Confirmed, TrackStatus::Coasting, TrackStatus::Tentative].map(of);
-    let tentative = count(tentative, "tentative track");
-    let counts = format!("Frame {number}: {seen} confirmed, {coasting} coasting, {tentative}.");
-    let overconfidence = conclusion.overconfidence().map(|test| test.verdict(false)).unwrap_or_default();
-    let stationary = stationary(conclusion.stationary);
-    let Some(run) = conclusion.run.filter(|run| run.truths > 0) else {
-        let tracks = conclusion.tracks.map(|all| format!(" Run: {}.", count(all, "confirmed track")));
-        let frame = conclusion.frame.map_or_else(String::new, of_frame);
-        return counts + &frame + &tracks.unwrap_or_default() + &overconfidence + &stationary;
+    let step = step.put(value::CONFIRMED, of(TrackStatus::Confirmed)).put(value::COASTING, of(TrackStatus::Coasting));
+    let step = step.put(value::TENTATIVE, of(TrackStatus::Tentative)).say(case::COUNTS);
+    let run = conclusion.run.filter(|run| run.truths > 0);
+    let step = match run {
+        Some(run) => scored(step, run, conclusion),
+        None => {
+            let step = conclusion.frame.into_iter().fold(step, matched);
+            conclusion.tracks.into_iter().fold(step, |step, all| step.put(value::RUN_TRACKS, all).say(case::RUN_TRACKS))
+        }
     };
-    let figures = |of: Scores| {
-        let [mota, idf1] = [of.mota, of.idf1].map(ratio);
-        format!("MOTA {mota}, IDF1 {idf1}, {}", plural(of.switches, "identity switch", "es"))
+    let step = conclusion.overconfidence().into_iter().fold(step, |step, test| {
+        let [low, high] = test.band;
+        let step = step.put(value::MEAN_NIS, test.mean).put(value::BAND_LOW, low).put(value::BAND_HIGH, high);
+        step.say(case::OVERCONFIDENT)
+    });
+    let step = run.and_then(|run| advice(run, conclusion)).into_iter().fold(step, Step::say);
+    step.put(value::STATIONARY, conclusion.stationary).say_if(conclusion.stationary > 0, case::STATIONARY)
+}
+
+/// Says the scores of a run, with those in real time where they differ, and its worst frames.
+fn scored(step: Step, run: Scores, conclusion: &Conclusion) -> Step {
+    let hindsight = [value::MOTA.is(run.mota), value::IDF1.is(run.idf1), value::SWITCHES.is(run.switches)];
+    let of = |live: Scores| {
+        let [mota, idf1] = [value::LIVE_MOTA.is(live.mota), value::LIVE_IDF1.is(live.idf1)];
+        [mota, idf1, value::LIVE_SWITCHES.is(live.switches)]
     };
-    let (scores, live) = (figures(run), conclusion.live.map(figures));
-    // Both names appear only where the figures differ.
-    let live = live.filter(|live| *live != scores);
-    let when = if live.is_some() { "Run with hindsight" } else { "Run" };
-    let scores = format!(" {when}: {scores}.");
-    let rates = format!(" Precision {}, recall {}.", fixed(run.precision, 2), fixed(run.recall, 2));
-    let live = live.map_or_else(String::new, |live| format!(" In real time, without hindsight: {live}."));
-    let worst = most_errors(&conclusion.worst);
+    let differs = |live: &[Value; 3]| live.iter().map(Value::bare).ne(hindsight.iter().map(Value::bare));
+    let live = conclusion.live.map(of).filter(differs);
+    let step = hindsight.into_iter().fold(step, Step::put_value);
+    let step = step.say(if live.is_some() { case::RUN_WITH_HINDSIGHT } else { case::RUN });
+    let step = step.put(value::PRECISION, run.precision).put(value::RECALL, run.recall).say(case::RATES);
+    let step = match live {
+        Some(live) => live.into_iter().fold(step, Step::put_value).say(case::IN_REAL_TIME),
+        None => step,
+    };
+    most_errors(step, &conclusion.worst)
+}
+
+/// The remedy of the most frequent kind of error.
+fn advice(run: Scores, conclusion: &Conclusion) -> Option<&'static Case> {
     let (misses, alarms) = (run.truths - run.matches, run.hypotheses - run.matches);
-    let advice = match run.switches {
-        0 if misses + alarms == 0 => "",
-        switches if switches > misses.max(alarms) => {
-            " Identities are kept by a motion model that fits (turns need one), and through misses by a larger maximum age."
+    Some(match conclusion.hidden {
+        _ if run.switches + misses + alarms == 0 => return None,
+        _ if run.switches > misses.max(alarms) => case::MOST_SWITCHES,
+        _ if conclusion.overconfidence().is_some() => case::SMALL_GATES,
+        Some(hidden) if misses > alarms && 2 * hidden > misses && conclusion.is_interpolated => {
+            case::MISSES_INTERPOLATED
         }
-        _ if !overconfidence.is_empty() => " Too small gates reject detections of their own objects.",
-        _ if misses > alarms && 2 * conclusion.hidden.unwrap_or(0) > misses => match conclusion.is_interpolated {
-            true => {
-                " Most errors are misses of occluded objects: there is no track before the first detection, and the boxes of a coasting track count only where a later match lets them be interpolated."
-            }
-            false => {
-                " Most errors are misses of occluded objects: there is no track before the first detection, and coasting tracks do not count as matches."
-            }
-        },
-        _ if misses > alarms && conclusion.hidden.is_some() => {
-            " Most errors are misses of visible objects. The detections are the true boxes with noise, so the tracker loses them: compare process noise, gate and minimum number of hits."
-        }
-        _ if misses > alarms => {
-            " Most errors are misses: lower the minimum number of hits or the score thresholds, or use another detector."
-        }
-        _ if misses == alarms => {
-            " There are as many misses as false alarms: boxes may overlap the true ones by less than IoU 0.5."
-        }
-        _ => {
-            " Most errors are false alarms: raise the minimum number of hits or the score thresholds, or lower the maximum age."
-        }
-    };
-    counts + &scores + &rates + &live + &worst + &overconfidence + advice + &stationary
+        Some(hidden) if misses > alarms && 2 * hidden > misses => case::MISSES_OF_OCCLUDED,
+        Some(_) if misses > alarms => case::MISSES_OF_VISIBLE,
+        None if misses > alarms => case::MOST_MISSES,
+        _ if misses == alarms => case::AS_MANY,
+        _ => case::MOST_FALSE_ALARMS,
+    })
 }
 
-/// The tracks that the minimum travel has kept tentative in words, or nothing.
-fn stationary(tracks: usize) -> String {
-    if tracks == 0 {
-        return String::new();
-    }
-    let was = if tracks == 1 { "was" } else { "were" };
-    format!(
-        " {} lasted, but {was} not confirmed: the net displacement stayed below the minimum travel or half of the path. With a minimum travel of 0 all tracks that last are confirmed.",
-        count(tracks, "tentative track")
-    )
-}
-
-/// The frames with the most errors in words.
-fn most_errors(worst: &[(usize, Matches)]) -> String {
-    let kinds = |all: &Matches| {
-        format!("{}, {}", plural(all.misses(), "miss", "es"), plural(all.false_positives(), "false alarm", "s"))
-    };
-    let Some((first, all)) = worst.first() else { return String::new() };
-    let errors = plural(all.misses() + all.false_positives(), "error", "s");
+/// Says which frames have the most errors.
+fn most_errors(step: Step, worst: &[(usize, Matches)]) -> Step {
+    let Some((first, all)) = worst.first() else { return step };
+    let (misses, alarms) = (all.misses(), all.false_positives());
+    let step = step.put(value::WORST_FRAME, *first).put(value::WORST_FRAMES, worst.len());
+    let step = step.put(value::MISSES, misses).put(value::FALSE_ALARMS, alarms).put(value::ERRORS, misses + alarms);
     match worst {
-        [_] => format!(" Frame {first} has the most errors: {}.", kinds(all)),
-        [_, (second, _)] => format!(" Frames {first} and {second} have the most errors: {errors} each."),
-        _ => format!(
-            " The most errors in a frame are {}, in {}, first in frame {first}.",
-            all.misses() + all.false_positives(),
-            count(worst.len(), "frame")
-        ),
+        [_] => step.say(case::WORST_FRAME),
+        [_, (second, _)] => step.put(value::SECOND_FRAME, *second).say(case::TWO_WORST_FRAMES),
+        _ => step.say(case::WORST_FRAMES),
     }
 }
 
-/// The missed frames in a row.
-pub(crate) fn missed_in_a_row(missed: usize) -> String {
-    match missed {
-        1 => "1 missed frame".to_owned(),
-        _ => format!("{} in a row", count(missed, "missed frame")),
-    }
-}
-
-/// The matches of a frame in words.
-fn of_frame(all: Matches) -> String {
-    match all.misses() + all.false_positives() {
-        0 if all.truths == 0 => " No true objects in this frame.".into(),
-        0 => format!(" Ground truth (IoU ≥ 0.5): all {} true objects are matched.", grouped(all.truths)),
-        _ => format!(
-            " Ground truth (IoU ≥ 0.5): {} of {} {}, {}.",
-            grouped(all.pairs),
-            plural(all.truths, "true object", "s"),
-            if all.pairs == 1 { "is matched" } else { "are matched" },
-            plural(all.false_positives(), "false alarm", "s")
-        ),
-    }
-}
-
-fn plural(count: usize, one: &str, ending: &str) -> String {
-    format!("{} {one}{}", grouped(count), if count == 1 { "" } else { ending })
+/// Says how many true objects of a frame are matched.
+fn matched(step: Step, all: Matches) -> Step {
+    let alarms = all.false_positives();
+    let step = step.put(value::TRUTHS, all.truths).put(value::MATCHED, all.pairs).put(value::FALSE_ALARMS, alarms);
+    step.say(match all.misses() + alarms {
+        0 if all.truths == 0 => case::NO_TRUE_OBJECTS,
+        0 => case::ALL_MATCHED,
+        _ => case::SOME_MATCHED,
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    crate::line_names!(CONCLUDE);
+
     #[test]
     fn all_frames_with_the_most_errors_are_named() {
         let two = Matches { truths: 5, estimates: 3, pairs: 3 };
-        assert_eq!(most_errors(&[]), "");
-        assert_eq!(most_errors(&[(21, two)]), " Frame 21 has the most errors: 2 misses, 0 false alarms.");
-        assert_eq!(most_errors(&[(21, two), (23, two)]), " Frames 21 and 23 have the most errors: 2 errors each.");
-        let said = most_errors(&[(21, two), (22, two), (23, two)]);
-        assert_eq!(said, " The most errors in a frame are 2, in 3 frames, first in frame 21.");
-    }
-
-    #[test]
-    fn a_large_table_shows_what_it_is_about_with_its_names() {
-        let entry = |row: usize, column: usize| (100 * row + column) as f64;
-        let names = Names::new((0..15).map(|i| (i + 200).to_string()), 0..40);
-        let table = names.table(("C", "costs"), entry, &[(13, 30)]).expect("there is one");
-        assert_eq!(table.entries.size(), (12, 12));
-        let lit = table.changed.expect("lit");
-        let (x, y) = (0..144).map(|i| (i % 12, i / 12)).find(|&place| lit[place]).expect("the pair");
-        assert_eq!((table.entries[(x, y)], &*table.rows[y], &*table.columns[x]), (1330.0, "213", "31"));
-        assert_eq!(names.shown().expect("not all").value, "12 of 15 rows, 12 of 40 columns");
-        assert_eq!([window(5, [4].into_iter()), window(40, [].into_iter()), window(40, 0..40)], [0..5, 0..12, 0..12]);
+        let said = |worst: &[(usize, Matches)]| most_errors(Step::at(CONCLUDE), worst).sentence.plain();
+        assert_eq!(said(&[]), "");
+        assert_eq!(said(&[(21, two)]), "Frame 21 has the most errors: 2 misses, 0 false alarms.");
+        assert_eq!(said(&[(21, two), (23, two)]), "Frames 21 and 23 have the most errors: 2 errors each.");
+        let said = said(&[(21, two), (22, two), (23, two)]);
+        assert_eq!(said, "The most errors in a frame are 2, in 3 frames, first in frame 21.");
     }
 }

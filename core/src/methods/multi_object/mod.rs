@@ -3,17 +3,21 @@
 pub(crate) mod chances;
 pub(crate) mod density;
 pub mod directions;
+mod drawing;
 pub(crate) mod dynamics;
 pub(crate) mod explain;
 mod extent;
+mod former;
 pub(crate) mod gating;
 pub(crate) mod lifecycle;
 pub(crate) mod partial;
 pub(crate) mod selected;
 pub mod source;
+mod tables;
 pub(crate) mod tracker_run;
 pub(crate) mod tracking;
 pub(crate) mod truth;
+pub(crate) mod vocabulary;
 
 pub use extent::Extent;
 pub use tracking::MultiTracking;

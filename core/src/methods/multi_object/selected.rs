@@ -1,12 +1,11 @@
 //! The track that is pointed at, explained by itself.
 
-use super::explain::count;
 use super::tracker_run::TrackerRun;
+use super::vocabulary::{case, value};
 use crate::data::Clip;
 use crate::geometry::Bounds;
-use crate::methods::numbers::{px, ratio};
 use crate::products::{Object, ObjectFrame, TrackStatus};
-use crate::scene::{Fact, Picture, Role, Scene, Sentence, Shape};
+use crate::scene::{Picture, Role, Scene, Shape, Step};
 
 /// A track that ended is found at its places of so many frames.
 const RECENT_FRAMES: usize = 40;
@@ -81,59 +80,36 @@ impl Selected {
         }
     }
 
-    /// Returns the track in words.
-    pub fn sentence(&self) -> Sentence {
+    /// Adds the track among the facts.
+    pub fn noted(&self, step: Step) -> Step {
         let [first, last] = self.frames;
-        let state = match (self.is_live, self.last.status) {
-            (false, _) => format!("ended in frame {last}"),
-            (true, TrackStatus::Tentative) => "is tentative".into(),
-            (true, TrackStatus::Confirmed) => "is confirmed".into(),
-            (true, TrackStatus::Coasting) => "coasts".into(),
+        let step = step.fact(value::SELECTED_TRACK, self.id).put(value::LAST_FRAME, last);
+        let step = match self.is_live {
+            true => step.fact(value::SELECTED_STATUS, self.last.status.name()),
+            false => step.fact_as(value::SELECTED_STATUS.is("ended"), case::ENDED),
         };
-        let said =
-            Sentence::default().text("Selected: ").ink(Role::Estimate, format!("track {}", self.id)).text(format!(
-                " {state}. Since frame {first} it was matched in {} and coasted in {}.",
-                count(self.hits, "frame"),
-                self.missed
-            ));
-        let said = match self.speed() {
-            Some(speed) => {
-                said.text(format!(" Its path is {} px long, {} px/frame on average.", px(self.length_px), px(speed)))
-            }
-            None => said,
-        };
-        match self.truth {
-            Some((object, iou)) => {
-                let compared = match self.last.status {
-                    _ if iou < 0.5 => "below 0.5, so they do not match",
-                    TrackStatus::Confirmed => "at least 0.5, so they match",
-                    TrackStatus::Tentative => "but a tentative track does not count as a match",
-                    TrackStatus::Coasting => "but a coasting track does not count as a match",
-                };
-                said.text(" Its box overlaps ")
-                    .ink(Role::Truth, format!("true object {object}"))
-                    .text(format!(" (IoU {}), {compared}.", ratio(iou.into())))
-            }
-            None => said,
-        }
+        let step = step.fact_as(value::FIRST_FRAME.is(first), case::FRAMES).fact(value::MATCHED_FRAMES, self.hits);
+        let step = step.fact(value::COASTED_FRAMES, self.missed).fact(value::PATH_LENGTH, self.length_px);
+        let step = step.fact_if(value::MEAN_SPEED, self.speed());
+        let Some((object, iou)) = self.truth else { return step };
+        step.put(value::TRUE_OVERLAP, iou).fact_as(value::TRUE_OBJECT.is(object), case::OBJECT_OVERLAP)
     }
 
-    /// Returns the track in numbers.
-    pub fn facts(&self) -> Vec<Fact> {
-        let [first, last] = self.frames;
-        let status = if self.is_live { self.last.status.name().into() } else { format!("ended in frame {last}") };
-        let mut facts = vec![
-            Fact::new("Selected track", self.id.to_string(), Some(Role::Estimate)),
-            Fact::new("Status of track", status, None),
-            Fact::new("Frames", format!("{first} to {last}"), None),
-            Fact::new("Matched", count(self.hits, "frame"), None),
-            Fact::new("Coasted", count(self.missed, "frame"), None),
-            Fact::new("Path length", format!("{} px", px(self.length_px)), None),
-        ];
-        facts.extend(self.speed().map(|speed| Fact::new("Mean speed", format!("{} px/frame", px(speed)), None)));
-        facts.extend(self.truth.map(|(object, iou)| {
-            Fact::new("True object", format!("{object}, IoU {}", ratio(iou.into())), Some(Role::Truth))
-        }));
-        facts
+    /// Says what is known of the track, with the values among the facts.
+    pub fn told(&self, step: Step) -> Step {
+        let step = step.say(case::SELECTED).say(match (self.is_live, self.last.status) {
+            (false, _) => case::ENDED,
+            (true, TrackStatus::Tentative) => case::IS_TENTATIVE,
+            (true, TrackStatus::Confirmed) => case::IS_CONFIRMED,
+            (true, TrackStatus::Coasting) => case::COASTS,
+        });
+        let step = step.say(case::SINCE).say_if(self.speed().is_some(), case::PATH);
+        let Some((_, iou)) = self.truth else { return step };
+        step.say(case::OVERLAPS_TRUTH).say(match self.last.status {
+            _ if iou < 0.5 => case::TOO_LITTLE,
+            TrackStatus::Confirmed => case::ENOUGH,
+            TrackStatus::Tentative => case::BUT_TENTATIVE,
+            TrackStatus::Coasting => case::BUT_COASTING,
+        })
     }
 }

@@ -9,23 +9,7 @@ use crate::data::{Clip, Detection};
 use crate::params::{Params, inner_params};
 use crate::products::{ObjectField, ObjectFrame, Output, Product, ProductKind, objects::score::FrameErrors};
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Focus, Question, Reply, Role, Scene, Sentence, Step};
-
-/// Names of the lines of pseudocode that trackers by assignment have.
-mod line {
-    crate::line_names!(UPDATE_TRACK, COAST_OR_END);
-}
-
-/// The question of trackers that update a track or let it coast.
-pub(crate) const ASSOCIATED: Question = Question::choice(
-    "associated",
-    "What becomes of the next track?",
-    &[
-        Reply::at(line::UPDATE_TRACK, "It is updated"),
-        Reply::says(line::COAST_OR_END, "is deleted", "It is deleted"),
-        Reply::at(line::COAST_OR_END, "It coasts"),
-    ],
-);
+use crate::scene::{Chart, Focus, Question, Role, Scene, Step};
 
 /// A tracker of many objects.
 pub trait MultiTracker: Params + Default + Clone + Send + Sync + 'static {
@@ -203,15 +187,20 @@ pub(crate) fn errors<T: MultiTracker>(seen: &Seen<MultiTracking<T>>) -> Option<F
     truth::errors_of_last(seen.clip, &seen.after?.run)
 }
 
-/// The end of a frame in words: the track that is pointed at, or else the conclusion and the identity switches.
+/// Adds the errors of a finished frame and the track that is pointed at among the facts.
+pub(crate) fn noted<T: MultiTracker>(step: Step, seen: &Seen<MultiTracking<T>>) -> Step {
+    let step = errors(seen).iter().fold(step, truth::noted);
+    selected(seen).iter().fold(step, |step, selected| selected.noted(step))
+}
+
+/// Says the end of a frame: the track that is pointed at, or else the conclusion and the identity switches.
 pub(crate) fn done<T: MultiTracker>(
+    step: Step,
     seen: &Seen<MultiTracking<T>>,
     (frame, conclusion): (&ObjectFrame, &Conclusion),
-) -> Sentence {
+) -> Step {
     match selected(seen) {
-        Some(selected) => selected.sentence(),
-        None => Sentence::default()
-            .text(explain::done(seen.before.run.frame(), frame, conclusion))
-            .text(errors(seen).as_ref().map(truth::switches).unwrap_or_default()),
+        Some(selected) => selected.told(step),
+        None => errors(seen).iter().fold(explain::concluded(step, frame, conclusion), truth::switched),
     }
 }

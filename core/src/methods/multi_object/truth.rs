@@ -1,11 +1,13 @@
 //! The tracks of a frame beside the ground truth: matches, misses, false alarms and identity switches.
 
-use super::explain::{label, rect};
+use super::drawing::{label, rect};
+pub(crate) use super::former::{facts, switches};
 use super::tracker_run::TrackerRun;
+use super::vocabulary::{case, value};
 use crate::data::Clip;
 use crate::geometry::Bounds;
 use crate::products::objects::score::{FrameErrors, errors_on};
-use crate::scene::{Fact, Role, Scene};
+use crate::scene::{Role, Scene, Step};
 
 /// The distance in px of the frame around a false alarm from its box.
 const AROUND_PX: f32 = 2.0;
@@ -43,26 +45,21 @@ pub(crate) fn draw(scene: &mut Scene, errors: &FrameErrors) {
     }
 }
 
-/// Returns the errors as facts.
-pub(crate) fn facts(errors: &FrameErrors) -> Vec<Fact> {
-    let FrameErrors { matches, misses, false_alarms, .. } = errors;
-    let all = matches.len() + misses.len();
-    let mut facts = vec![
-        Fact::new("Matched true objects", format!("{} of {all}", matches.len()), Some(Role::Truth)),
-        Fact::new("Misses", misses.len().to_string(), Some(Role::Error)),
-        Fact::new("False alarms", false_alarms.len().to_string(), Some(Role::Rejected)),
-    ];
-    facts.extend(errors.switches.iter().map(|switch| {
-        let value = format!("object {}: track {} → {}", switch.object, switch.before, switch.now);
-        Fact::new("Identity switch", value, Some(Role::Window))
-    }));
-    facts
+/// Adds the errors among the facts.
+pub(crate) fn noted(step: Step, errors: &FrameErrors) -> Step {
+    let FrameErrors { matches, misses, false_alarms, switches, .. } = errors;
+    let step = step.put(value::TRUTHS, matches.len() + misses.len());
+    let step = step.fact_as(value::MATCHED.is(matches.len()), case::MATCHED_OF).fact(value::MISSES, misses.len());
+    switches.iter().fold(step.fact(value::FALSE_ALARMS, false_alarms.len()), |step, switch| {
+        let step = step.put(value::TRUE_OBJECT, switch.object).put(value::TRACK_NOW, switch.now);
+        step.fact_as(value::TRACK_BEFORE.is(switch.before), case::SWITCH)
+    })
 }
 
-/// Returns the identity switches of a frame in words.
-pub(crate) fn switches(errors: &FrameErrors) -> String {
-    let one = |of: &crate::products::objects::score::Switch| {
-        format!(" Identity switch: true object {} was track {} and is track {} now.", of.object, of.before, of.now)
-    };
-    errors.switches.iter().map(one).collect()
+/// Says the identity switches of a frame.
+pub(crate) fn switched(step: Step, errors: &FrameErrors) -> Step {
+    errors.switches.iter().fold(step, |step, switch| {
+        let step = step.put(value::TRUE_OBJECT, switch.object).put(value::TRACK_BEFORE, switch.before);
+        step.put(value::TRACK_NOW, switch.now).say(case::SWITCHED)
+    })
 }

@@ -1,10 +1,8 @@
 //! The end of a run: whether the tracks of neighbours were nearer to each other than the objects.
 
-use crate::base::words::counted;
 use crate::data::{Clip, ObjectBox};
 use crate::geometry::Bounds;
 use crate::methods::multi_object::tracker_run::TrackerRun;
-use crate::methods::numbers::px;
 use crate::products::{Object, ObjectFrame, TrackStatus};
 
 /// Tracks this much nearer to each other than the objects have coalesced.
@@ -15,11 +13,11 @@ const MOST_OBJECTS: usize = 100;
 /// The distances of the nearest objects and of their tracks, over the frames in which objects were neighbours: nearer to each
 /// other than the longest of their sides. Frames in which one of the two has no confirmed track do not count.
 pub(super) struct Neighbors {
-    frames: usize,
+    pub frames: usize,
     /// Mean distance of the objects in px.
-    truth_px: f64,
+    pub truth_px: f64,
     /// Mean distance of the tracks in px.
-    tracks_px: f64,
+    pub tracks_px: f64,
 }
 
 impl Neighbors {
@@ -36,22 +34,9 @@ impl Neighbors {
         (!all.is_empty()).then(|| Self { frames: all.len(), truth_px: mean(0), tracks_px: mean(1) })
     }
 
-    /// What became of them, and why.
-    pub(super) fn sentence(&self) -> String {
-        let (name, why) = if self.tracks_px < COALESCED * self.truth_px {
-            (
-                "Coalescence",
-                "Both tracks were updated with the same detections; multiple hypotheses assign each detection to one track.",
-            )
-        } else {
-            ("No coalescence", "Soft association did not draw them together.")
-        };
-        format!(
-            "{name}: neighbouring objects were {} px apart on average over {}, and their tracks {} px. {why} ",
-            px(self.truth_px),
-            counted(self.frames, "frame"),
-            px(self.tracks_px)
-        )
+    /// Whether the tracks were much nearer to each other than the objects.
+    pub(super) fn have_coalesced(&self) -> bool {
+        self.tracks_px < COALESCED * self.truth_px
     }
 }
 
