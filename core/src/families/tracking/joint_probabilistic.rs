@@ -3,7 +3,6 @@
 //!
 //! T. E. Fortmann, Y. Bar-Shalom and M. Scheffe, Sonar tracking of multiple targets using joint probabilistic data association, 1983.
 
-mod charts;
 mod coalescence;
 mod events;
 mod explain;

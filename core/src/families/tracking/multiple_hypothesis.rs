@@ -5,7 +5,6 @@
 //! N-scan pruning (I. J. Cox and S. L. Hingorani, 1996).
 
 mod charts;
-mod drawing;
 mod expand;
 mod explain;
 mod forest;

@@ -8,7 +8,7 @@ use crate::data::Detection;
 use crate::geometry::Bounds;
 use crate::methods::kalman::{Filter, ellipse};
 use crate::products::{ObjectFrame, TrackStatus};
-use crate::scene::{Picture, Readout, Role, Scene, Series, Shape};
+use crate::scene::{Arrow, Picture, Readout, Role, Scene, Series, Shape};
 
 /// The length of a drawn trail in frames.
 const TRAIL_FRAMES: usize = 40;
@@ -65,6 +65,14 @@ pub(crate) fn draw_progress<'a>(
 
 pub(crate) fn rect(scene: &mut Scene, role: Role, Bounds { min, max }: Bounds) {
     scene.mark(Picture::CURRENT, role, Shape::Rect { min, max });
+}
+
+/// Draws the arrows from tracks to detections of several roles.
+pub(crate) fn draw_arrows<const N: usize>(scene: &mut Scene, all: [(Role, &'static str, Vec<Arrow>); N]) {
+    for (role, meaning, arrows) in all.into_iter().filter(|(.., arrows)| !arrows.is_empty()) {
+        scene.mark(Picture::CURRENT, role, Shape::Arrows(arrows));
+        scene.legend(role, meaning);
+    }
 }
 
 /// Room around the objects of a step, in sizes of the largest box: their surroundings are seen too.

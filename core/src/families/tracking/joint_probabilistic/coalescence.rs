@@ -1,9 +1,11 @@
 //! The end of a run: whether the tracks of neighbours were nearer to each other than the objects.
 
+use super::vocabulary::{case, value};
 use crate::data::{Clip, ObjectBox};
 use crate::geometry::Bounds;
 use crate::methods::multi_object::tracker_run::TrackerRun;
 use crate::products::{Object, ObjectFrame, TrackStatus};
+use crate::scene::Step;
 
 /// Tracks this much nearer to each other than the objects have coalesced.
 const COALESCED: f64 = 0.75;
@@ -13,11 +15,11 @@ const MOST_OBJECTS: usize = 100;
 /// The distances of the nearest objects and of their tracks, over the frames in which objects were neighbours: nearer to each
 /// other than the longest of their sides. Frames in which one of the two has no confirmed track do not count.
 pub(super) struct Neighbors {
-    pub frames: usize,
+    frames: usize,
     /// Mean distance of the objects in px.
-    pub truth_px: f64,
+    truth_px: f64,
     /// Mean distance of the tracks in px.
-    pub tracks_px: f64,
+    tracks_px: f64,
 }
 
 impl Neighbors {
@@ -34,9 +36,12 @@ impl Neighbors {
         (!all.is_empty()).then(|| Self { frames: all.len(), truth_px: mean(0), tracks_px: mean(1) })
     }
 
-    /// Whether the tracks were much nearer to each other than the objects.
-    pub(super) fn have_coalesced(&self) -> bool {
-        self.tracks_px < COALESCED * self.truth_px
+    /// Says whether the tracks were nearer to each other than the objects, and why.
+    pub(super) fn told(step: Step, of: Self) -> Step {
+        let step = step.put(value::NEIGHBOUR_FRAMES, of.frames).put(value::TRUE_DISTANCE, of.truth_px);
+        let has_coalesced = of.tracks_px < COALESCED * of.truth_px;
+        let step = step.put(value::TRACK_DISTANCE, of.tracks_px);
+        step.say(if has_coalesced { case::COALESCENCE } else { case::NO_COALESCENCE })
     }
 }
 

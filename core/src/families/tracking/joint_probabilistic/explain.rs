@@ -1,17 +1,20 @@
-//! The steps of joint probabilistic data association in words, formulas and marks.
+//! The steps of joint probabilistic data association in words, numbers and marks.
 
-use super::charts::{event_tables, update_tables, validation_table, weight_table};
 use super::coalescence::Neighbors;
 use super::events::{Joint, Validation};
 use super::vocabulary::{case, value};
 use super::{Event, JointProbabilistic, Track, Weights, line};
 use crate::geometry::Grid;
-use crate::methods::multi_object::{
-    explain,
-    tracker_run::Conclusion,
-    tracking::{self, MultiTracking, errors, selected},
-    truth,
-    vocabulary::{case as shared_case, value as shared},
+use crate::methods::{
+    kalman::Measurement,
+    multi_object::{
+        density::TrackDensity,
+        explain::{self, Names},
+        tracking::{self, MultiTracking, errors, selected},
+        truth,
+        vocabulary::{case as shared_case, value as shared},
+    },
+    numbers::{LENGTH_DECIMALS, RATIO_DECIMALS, SQUARED_DECIMALS},
 };
 use crate::products::TrackStatus;
 use crate::run::Seen;
@@ -19,6 +22,8 @@ use crate::scene::{Arrow, Matrix, Name, Picture, Readout, Role, Scene, Shape, St
 
 /// The most innovations in a formula.
 const LISTED: usize = 4;
+/// The most joint events in a matrix.
+const ROWS: usize = 12;
 
 impl JointProbabilistic {
     pub(super) fn explained_step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
@@ -26,11 +31,8 @@ impl JointProbabilistic {
             Some(Event::Validated(validation)) => validation_table(validation).into_iter().collect(),
             Some(Event::Enumerated(validation, joint)) => event_tables(validation, joint),
             Some(Event::Weighed(validation, joint)) => weight_table(validation, joint).into_iter().collect(),
-            Some(Event::Updated(both, weights)) => {
-                let numbers = both[0].filter.association_numbers(weights.deviation, &weights.measured);
-                numbers.map_or_else(Vec::new, |numbers| update_tables(&both[0], numbers))
-            }
-            _ => Vec::<Matrix>::new(),
+            Some(Event::Updated(both, weights)) => update_tables(&both[0], weights),
+            _ => Vec::new(),
         };
         let step = self.told(seen).show_all((!tables.is_empty()).then_some(Readout::Matrices(tables)));
         let step = step.show_all(explain::series(&seen.after.unwrap_or(seen.before).run));
@@ -75,7 +77,9 @@ impl JointProbabilistic {
                 step.say_if(track.age.status == TrackStatus::Tentative, shared_case::TENTATIVE_UNTIL)
             }
             Some(Event::Done(done, conclusion)) => {
-                let step = coalescence(at(line::EACH_FRAME), seen, conclusion);
+                let after = seen.after.filter(|_| conclusion.run.is_some() && selected(seen).is_none());
+                let neighbors = after.and_then(|after| Neighbors::of(&after.run, seen.clip));
+                let step = neighbors.into_iter().fold(at(line::EACH_FRAME), Neighbors::told);
                 tracking::done(step, seen, (done, conclusion))
             }
         }
@@ -98,12 +102,56 @@ impl JointProbabilistic {
         }
     }
 
+    /// The density of the track of the step, or else of the selected one; of a cluster without it, of its first track.
+    fn density<'a>(&self, seen: &Seen<'a, MultiTracking<Self>>) -> Option<TrackDensity<'a>> {
+        let selected = selected(seen).map(|selected| selected.id);
+        let of = |tracks: &'a [Track]| tracks.iter().find(|track| Some(track.id) == selected);
+        match seen.events.last() {
+            Some(Event::Updated(both, weights)) => {
+                let measured =
+                    |&(place, _): &_| Measurement { place, place_deviation: weights.deviation, velocity: None };
+                Some(TrackDensity {
+                    updated: Some(&both[1].filter),
+                    measured: weights.measured.iter().map(measured).collect(),
+                    ..TrackDensity::predicted(&both[0].filter)
+                })
+            }
+            Some(Event::Validated(validation)) => {
+                let row = validation.tracks.iter().position(|track| Some(track.id) == selected)?;
+                Some(self.validated_track(validation, row))
+            }
+            Some(Event::Enumerated(validation, joint) | Event::Weighed(validation, joint)) => {
+                let mut rows = joint.tracks.iter();
+                let found = rows.find(|row| Some(validation.tracks[**row].id) == selected);
+                Some(self.validated_track(validation, *found.or(joint.tracks.first())?))
+            }
+            Some(Event::Predicted(tracks)) => of(tracks).map(|track| TrackDensity::predicted(&track.filter)),
+            Some(Event::Missed(track, _) | Event::Deleted(track)) => Some(TrackDensity::predicted(&track.filter)),
+            Some(Event::Begun(track, _)) => Some(TrackDensity::estimated(&track.filter)),
+            None | Some(Event::Detected(..) | Event::Done(..)) => {
+                of(&seen.after.unwrap_or(seen.before).tracks).map(|track| TrackDensity::estimated(&track.filter))
+            }
+        }
+    }
+
+    /// A predicted track with the detections in its gate.
+    fn validated_track<'a>(&self, validation: &'a Validation, row: usize) -> TrackDensity<'a> {
+        let track = &validation.tracks[row];
+        let mut near: Vec<_> = validation.distances.row(row).collect();
+        near.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let measured = |(column, _): (usize, f64)| self.measurement(track, &validation.detections[column]);
+        TrackDensity {
+            measured: near.into_iter().map(measured).collect(),
+            limit: Some(validation.limit),
+            ..TrackDensity::predicted(&track.filter)
+        }
+    }
+
     pub(super) fn drawn(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
-        let detected = seen
-            .events
-            .iter()
-            .find_map(|event| if let Event::Detected(all, _) = event { Some(&all[..]) } else { None });
-        let detected = detected.unwrap_or_default();
+        let detected = match seen.events.first() {
+            Some(Event::Detected(all, _)) => &all[..],
+            _ => &[],
+        };
         explain::draw_detections(scene, detected);
         scene.is_overview = seen.after.is_some() && seen.point().is_none();
         if let Some(after) = seen.after {
@@ -121,16 +169,6 @@ impl JointProbabilistic {
             _ => track_of(seen).into_iter().for_each(|track| explain::work_at(scene, track.bounds())),
         }
     }
-}
-
-/// Says what became of neighbours, at the end of a run.
-fn coalescence(step: Step, seen: &Seen<MultiTracking<JointProbabilistic>>, conclusion: &Conclusion) -> Step {
-    let after = seen.after.filter(|_| conclusion.run.is_some() && selected(seen).is_none());
-    let Some(neighbors) = after.and_then(|after| Neighbors::of(&after.run, seen.clip)) else { return step };
-    let Neighbors { frames, truth_px, tracks_px } = neighbors;
-    let step = step.put(value::NEIGHBOUR_FRAMES, frames).put(value::TRUE_DISTANCE, truth_px);
-    let step = step.put(value::TRACK_DISTANCE, tracks_px);
-    step.say(if neighbors.have_coalesced() { case::COALESCENCE } else { case::NO_COALESCENCE })
 }
 
 fn weighed(step: Step, validation: &Validation, joint: &Joint) -> Step {
@@ -179,6 +217,78 @@ fn innovation(step: Step, before: &Track, weights: &Weights) -> Step {
     ))
 }
 
+fn validation_table(validation: &Validation) -> Option<Matrix> {
+    let names = Names::new(validation.tracks.iter().map(|track| track.id.to_string()), 0..validation.detections.len());
+    let distance = |row, column| validation.distances.get(row, column).unwrap_or(f64::INFINITY);
+    names
+        .table(("d²", "squared Mahalanobis distance in the gate: tracks (rows), detections (columns)"), distance, &[])
+        .map(|table| table.with_decimals(SQUARED_DECIMALS))
+}
+
+/// The joint events with their probabilities.
+fn event_tables(validation: &Validation, joint: &Joint) -> Vec<Matrix> {
+    let all = &joint.events[..joint.events.len().min(ROWS)];
+    let names = Names::new((1..=all.len()).map(|i| format!("θ{i}")), joint.detections.iter().copied());
+    let entry = |row: usize, column: usize| match all[row].tracks[column] {
+        Some(track) => f64::from(validation.tracks[joint.tracks[track]].id),
+        None => 0.0,
+    };
+    let name = "track of each detection (columns) in each joint event (rows); 0: false alarm";
+    let probability = Matrix {
+        symbol: "P(θ)",
+        name: "probability of the joint event",
+        role: Some(Role::Best),
+        entries: Grid::from_fn(1, all.len(), |_, y| all[y].probability),
+        rows: names.rows.clone(),
+        columns: Vec::new(),
+        changed: None,
+        decimals: Some(RATIO_DECIMALS),
+    };
+    let origins = names.table(("θ", name), entry, &[]).map(|table| table.with_decimals(0));
+    origins.into_iter().chain((!all.is_empty()).then_some(probability)).collect()
+}
+
+/// β of each track and detection, with β₀ in the last column.
+fn weight_table(validation: &Validation, joint: &Joint) -> Option<Matrix> {
+    let mut names = Names::new(
+        joint.tracks.iter().map(|track| validation.tracks[*track].id.to_string()),
+        joint.detections.iter().copied(),
+    );
+    names.columns.push("none".into());
+    let entry = |row: usize, column: usize| match column < joint.detections.len() {
+        true => joint.weight(row, column),
+        false => joint.missed(row),
+    };
+    names
+        .table(("β", "probability of the association: tracks (rows), detections (columns)"), entry, &[])
+        .map(|table| table.with_decimals(RATIO_DECIMALS))
+}
+
+/// The combined innovation, its covariance, the spread of the innovations and the gain.
+fn update_tables(before: &Track, weights: &Weights) -> Vec<Matrix> {
+    let numbers = before.filter.association_numbers(weights.deviation, &weights.measured);
+    let Some(numbers) = numbers else { return Vec::new() };
+    let axes: Vec<String> = ["x", "y"].map(String::from).into();
+    let states: Vec<String> = before.filter.names().iter().map(|name| (*name).into()).collect();
+    let matrix = |symbol, name, role, entries: Grid<f64>, rows: &[String]| Matrix {
+        symbol,
+        name,
+        role: Some(role),
+        columns: if entries.width() > 1 { axes.clone() } else { Vec::new() },
+        rows: rows.to_vec(),
+        changed: None,
+        decimals: None,
+        entries,
+    };
+    let innovation = Grid::from_fn(1, 2, |_, y| numbers.innovation[y]);
+    vec![
+        matrix("ν", "combined innovation", Role::Measured, innovation, &axes).with_decimals(LENGTH_DECIMALS),
+        matrix("S", "innovation covariance", Role::Predicted, numbers.covariance, &axes),
+        matrix("K", "Kalman gain", Role::Estimate, numbers.gain, &states),
+        matrix("V", "spread of the innovations", Role::Candidate, numbers.spread, &axes),
+    ]
+}
+
 /// The track of the step.
 fn track_of<'a>(seen: &Seen<'a, MultiTracking<JointProbabilistic>>) -> Option<&'a Track> {
     match seen.events.last()? {
@@ -191,9 +301,7 @@ fn track_of<'a>(seen: &Seen<'a, MultiTracking<JointProbabilistic>>) -> Option<&'
 /// Draws the tracks within a frame: updated, or else predicted.
 fn draw_work(scene: &mut Scene, seen: &Seen<MultiTracking<JointProbabilistic>>) {
     let run = &seen.before.run;
-    let predicted =
-        seen.events.iter().find_map(|event| if let Event::Predicted(tracks) = event { Some(tracks) } else { None });
-    let Some(predicted) = predicted else {
+    let Some(Event::Predicted(predicted)) = seen.events.get(1) else {
         return seen.before.tracks.iter().for_each(|track| track.shown().draw_with_trail(scene, run));
     };
     let done = seen.events.iter().filter_map(|event| match event {
@@ -231,12 +339,8 @@ fn draw_associations(scene: &mut Scene, validation: &Validation, joint: &Joint) 
         |&(track, at): &(usize, usize)| validation.distances.get(joint.tracks[track], joint.detections[at]).is_some();
     let possible = pairs.filter(is_possible).map(|(track, at)| arrow(track, at));
     let others: Vec<Arrow> = possible.filter(|arrow| !best.contains(arrow)).collect();
-    for (role, meaning, arrows) in
-        [(Role::Candidate, "possible association", others), (Role::Best, "most probable joint event", best)]
-    {
-        if !arrows.is_empty() {
-            scene.mark(Picture::CURRENT, role, Shape::Arrows(arrows));
-            scene.legend(role, meaning);
-        }
-    }
+    explain::draw_arrows(
+        scene,
+        [(Role::Candidate, "possible association", others), (Role::Best, "most probable joint event", best)],
+    );
 }

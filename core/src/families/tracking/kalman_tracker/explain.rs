@@ -25,11 +25,9 @@ impl KalmanTracker {
         let is_of_track = track_of(seen).is_some();
         let of_selected = selected(seen).filter(|_| seen.after.is_some() && !is_of_track);
         let of_selected = of_selected.map(|selected| matrices_of(selected.id, seen.events)).unwrap_or_default();
-        let costs =
-            seen.events.iter().find_map(|event| if let Event::Costs(costs) = event { Some(costs) } else { None });
-        let (step, tables) = match (seen.events.last(), costs) {
+        let (step, tables) = match (seen.events.last(), seen.events.get(2)) {
             (Some(Event::Updated(both, _)), _) => (step, update_matrices(&both[0].filter, &both[1].filter)),
-            (_, Some(costs)) => {
+            (_, Some(Event::Costs(costs))) => {
                 let rows = costs.tracks.iter().map(|track| track.id.to_string());
                 let names = Names::new(rows, 0..costs.detections.len());
                 (names.noted(step), self.tables(costs, &names, &lit(seen, costs)))
@@ -104,16 +102,13 @@ impl KalmanTracker {
             }
             None => step,
         };
-        step.formula(format!("C = {}", self.cost_symbols())).formula(match self.cost {
-            PairCost::Mahalanobis => r"C = \infty \text{ unless } d^2 \le \text{gate } {gate}".to_owned(),
-            PairCost::Overlap => format!(r"C = \infty \text{{ unless IoU}} {}", self.iou_limit()),
-            PairCost::Both => {
-                format!(
-                    r"C = \infty \text{{ unless }} d^2 \le \text{{gate }} {{gate}}, \text{{IoU}} {}",
-                    self.iou_limit()
-                )
-            }
-        })
+        let conditions = match self.cost {
+            PairCost::Mahalanobis => r"d^2 \le \text{gate } {gate}".to_owned(),
+            PairCost::Overlap => format!(r"\text{{IoU}} {}", self.iou_limit()),
+            PairCost::Both => format!(r"d^2 \le \text{{gate }} {{gate}}, \text{{IoU}} {}", self.iou_limit()),
+        };
+        let step = step.formula(format!("C = {}", self.cost_symbols()));
+        step.formula(format!(r"C = \infty \text{{ unless }} {conditions}"))
     }
 
     fn limits(&self, step: Step, costs: &Costs) -> Step {
@@ -224,11 +219,10 @@ impl KalmanTracker {
     }
 
     pub(super) fn drawn(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
-        let detected = seen
-            .events
-            .iter()
-            .find_map(|event| if let Event::Detected(all, _) = event { Some(&all[..]) } else { None });
-        let detected = detected.unwrap_or_default();
+        let detected = match seen.events.first() {
+            Some(Event::Detected(all, _)) => &all[..],
+            _ => &[],
+        };
         explain::draw_detections(scene, detected);
         let state = seen.after.unwrap_or(seen.before);
         scene.is_overview = seen.after.is_some() && seen.point().is_none();
@@ -250,9 +244,7 @@ impl KalmanTracker {
 /// Draws the tracks within a frame: updated, or else predicted, with the assigned pairs as arrows.
 fn draw_work(seen: &Seen<MultiTracking<KalmanTracker>>, scene: &mut Scene) {
     let run = &seen.before.run;
-    let predicted =
-        seen.events.iter().find_map(|event| if let Event::Predicted(tracks) = event { Some(tracks) } else { None });
-    let Some(predicted) = predicted else {
+    let Some(Event::Predicted(predicted)) = seen.events.get(1) else {
         return seen.before.tracks.iter().for_each(|track| track.shown().draw_with_trail(scene, run));
     };
     let done = seen.events.iter().filter_map(|event| match event {
