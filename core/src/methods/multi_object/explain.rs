@@ -4,7 +4,6 @@ pub(crate) use super::drawing::{
     ShownTrack, draw_arrows, draw_detections, draw_progress, label, number_detections, rect, role, series, trail,
     work_at, work_on,
 };
-pub(crate) use super::former::{count, detected, done, missed_in_a_row, velocity};
 pub(crate) use super::tables::Names;
 
 use super::drawing::of_status;

@@ -7,7 +7,6 @@ mod drawing;
 pub(crate) mod dynamics;
 pub(crate) mod explain;
 mod extent;
-mod former;
 pub(crate) mod gating;
 pub(crate) mod lifecycle;
 pub(crate) mod partial;

@@ -1,7 +1,6 @@
 //! The tracks of a frame beside the ground truth: matches, misses, false alarms and identity switches.
 
 use super::drawing::{label, rect};
-pub(crate) use super::former::{facts, switches};
 use super::tracker_run::TrackerRun;
 use super::vocabulary::{case, value};
 use crate::data::Clip;

@@ -3,18 +3,16 @@
 use super::correspond::MOST_NEAR;
 use super::vocabulary::{case, value};
 use super::{BlobTracker, Correspondence, Decision, EventKind, Identity, Member, TrackedBlob, line};
-use crate::base::words::heading_deg;
 use crate::geometry::Grid;
 use crate::methods::multi_object::{
     explain::{self, Names},
     partial::WholeSize,
-    selected::Selected,
     tracking::{self, MultiTracking, errors, selected},
     truth,
 };
 use crate::products::TrackStatus;
 use crate::run::Seen;
-use crate::scene::{Case, Fact, Matrix, Name, Number, Readout, Step, Unit};
+use crate::scene::{Case, Matrix, Name, Number, Readout, Step, Unit};
 
 /// The maximum number of tracks listed in a sentence.
 const LISTED: usize = 12;
@@ -47,7 +45,7 @@ impl BlobTracker {
                 let names =
                     Names::new(table.tracked_blobs.iter().map(|tracked| ids(&tracked.members)), 0..table.blobs.len());
                 tables.extend(correspondence(table, &names, decision));
-                with_facts(self.told(seen), names.shown())
+                names.noted(self.told(seen))
             }
             None => self.told(seen),
         };
@@ -63,14 +61,14 @@ impl BlobTracker {
         let at = |line: Name| {
             let groups = tracks.iter().filter(|tracked| tracked.is_group()).count();
             let step = limits(line).fact(value::TRACKS, tracks_of(tracks)).fact(value::GROUPS, groups);
-            let step = with_facts(step, errors(seen).iter().flat_map(truth::facts));
-            with_facts(step, selected(seen).filter(|_| seen.after.is_some()).iter().flat_map(Selected::facts))
+            let step = errors(seen).iter().fold(step, truth::noted);
+            selected(seen).filter(|_| seen.after.is_some()).iter().fold(step, |step, selected| selected.noted(step))
         };
         match seen.events.last().map(|event| &event.0) {
             None => at(line::EACH_FRAME).say(case::OPENING),
             Some(EventKind::Detected(all, discarded)) => {
                 let discarded = (*discarded, self.settings.min_score);
-                at(line::DETECT).tell(explain::detected((all.len(), "blob"), frame, discarded))
+                explain::found(at(line::DETECT), (all.len(), Unit::count("blob")), discarded)
             }
             Some(EventKind::Predicted(all)) => {
                 let step = at(line::PREDICT).put(value::TRACKS, tracks_of(all)).put(value::TRACKED_BLOBS, all.len());
@@ -109,7 +107,7 @@ impl BlobTracker {
                 // The detections of a file have no shape: boxes of a person detector overlap where persons do.
                 let are_boxes = !done.detections.is_empty() && done.detections.iter().all(|found| found.blob.is_none());
                 let is_run = conclusion.run.is_some() && selected(seen).is_none();
-                let step = at(line::EACH_FRAME).tell(tracking::done(seen, (done, conclusion)));
+                let step = tracking::done(at(line::EACH_FRAME), seen, (done, conclusion));
                 step.say_if(are_boxes && is_run, case::BOXES)
             }
         }
@@ -184,14 +182,6 @@ impl BlobTracker {
     }
 }
 
-/// Adds further facts, which are still told as text.
-fn with_facts(mut step: Step, further: impl IntoIterator<Item = Fact>) -> Step {
-    if let Some(Readout::Facts(facts)) = step.readouts.first_mut() {
-        facts.extend(further);
-    }
-    step
-}
-
 fn name(tracked: &TrackedBlob) -> &'static Case {
     if tracked.is_group() { case::GROUP } else { case::TRACK }
 }
@@ -205,11 +195,7 @@ fn with_track(step: Step, tracked: &TrackedBlob) -> Step {
         }
         members => group(step, members),
     };
-    let Some(velocity) = tracked.velocity() else { return step };
-    let heading = heading_deg(velocity);
-    // Left is 180°, never −180°.
-    let step = step.put(value::HEADING, if heading <= -179.5 { heading + 360.0 } else { heading });
-    step.fact_as(value::SPEED.is(velocity[0].hypot(velocity[1])), case::VELOCITY)
+    tracked.velocity().into_iter().fold(step, explain::moving)
 }
 
 /// Adds the track after an update and its blobs among the facts.

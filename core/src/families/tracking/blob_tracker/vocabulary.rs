@@ -37,10 +37,6 @@ crate::variables! { pub(super) mod value;
     MISSED: "Missed", "", Unit::count("missed frame");
     /// The number of missed frames in a row after which a track is deleted.
     MAX_AGE: "Maximum age", "", Unit::count("frame");
-    /// The speed of the track.
-    SPEED: "Velocity", r"|\mathbf{v}|", Unit::SPEED;
-    /// The direction of the velocity, from right towards down.
-    HEADING: "Heading", "", Unit::DEGREES;
     /// The number of the blob in its frame, from 1.
     BLOB: "Blob", "", Unit::WHOLE, Role::Measured;
     /// The numbers of the blobs into which a track or a group splits.
@@ -100,7 +96,6 @@ crate::cases! { pub(super) over value;
     DELETED_OLD: " is {rejected|deleted}: missed for more than {max_age} (the maximum age).",
     BEGUN: "An unmatched blob starts {reference|track} {track}. It is tentative until it has {min_hits} hits, the minimum number.",
     BOXES: "These detections are boxes, not blobs: where they overlap, tracks merge. The Kalman tracker suits them.",
-    VELOCITY: "{speed}, heading {heading} (90° is down)",
     LOOK_BEFORE: "track {track}: gray level {gray}, area {area_before}",
     LOOK_AFTER: "blob {blob}: gray level {gray}, area {area_after}",
 }
