@@ -41,7 +41,7 @@ fn question_text(question: &Question) -> String {
     let asked = match question.asked {
         Asked::Place { .. } => "a place".to_owned(),
         Asked::Choice(_) => question.choices().join(" | "),
-        Asked::Number(_) | Asked::Value { .. } => match &*question.unit() {
+        Asked::Value { .. } => match &*question.unit() {
             "" => "a number".to_owned(),
             unit => format!("a number of {unit}"),
         },
@@ -121,7 +121,7 @@ fn question_json(question: &Question) -> serde_json::Value {
     let (asked, unit) = match question.asked {
         Asked::Place { .. } => ("place", "px".into()),
         Asked::Choice(_) => ("choice", String::new()),
-        Asked::Number(_) | Asked::Value { .. } => ("number", question.unit()),
+        Asked::Value { .. } => ("number", question.unit()),
     };
     json!({ "id": question.id, "text": question.text, "asked": asked, "answers": question.choices(), "unit": unit })
 }

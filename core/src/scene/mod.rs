@@ -30,7 +30,7 @@ pub use math::Math;
 pub use picture::{Canvas, Focus, Measured, Picture, PictureRole, Pixels, Viewpoint};
 pub use pseudocode::{Line, Name};
 pub use quantity::{Layer, Quantity};
-pub use question::{Answer, Asked, Question, Reading, Reply, Shown, asked};
+pub use question::{Answer, Asked, Question, Reply, Shown, asked};
 pub use readouts::{
     Axes, Band, BetweenPixels, Chart, Constraint, Distribution, Fact, Footing, Framed, Matrix, Plane, PlaneCost,
     Readout, Regions, Section, Series, Spread, Surface, Tile,

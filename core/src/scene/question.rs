@@ -1,7 +1,7 @@
 //! Questions about the next step, answered before it is shown.
 //!
-//! A question is declared by what a step shows: the line of pseudocode that it is at, the words of its sentence, a number in
-//! it, or the marks of a role. So the truth is that of the run itself, and nothing is computed twice.
+//! A question is declared by what a step is: the line of pseudocode that it is at, the cases that it tells, a value, or the marks of a
+//! role. So the truth is that of the run itself, and nothing is computed twice.
 
 use super::value::{Decimals, Value};
 use super::{Case, Name, Picture, Role, Scene, Shape, Step, Variable};
@@ -16,8 +16,6 @@ pub struct Question {
     pub text: &'static str,
     /// What is asked for.
     pub asked: Asked,
-    /// Words of a sentence with which the answer needs no thought; empty if there are none.
-    pub unless: &'static str,
     /// The cases in which the answer needs no thought.
     pub obvious: &'static [&'static Case],
     /// Whether it is asked in the first unit of a run.
@@ -38,8 +36,6 @@ pub enum Asked {
     },
     /// One of several answers: that of the first case that a step is.
     Choice(&'static [Reply]),
-    /// A number in the sentence of a step.
-    Number(Reading),
     /// A value of a step of `line`.
     Value {
         /// The line of the step.
@@ -56,27 +52,10 @@ pub struct Reply {
     pub answer: &'static str,
     /// The line of the step.
     pub line: Name,
-    /// Words that the sentence of the step contains; empty if they do not matter.
-    pub says: &'static str,
-    /// A number of the sentence, and what it exceeds.
-    pub over: Option<(Reading, f64)>,
     /// The case that the step tells; `None` if it does not matter.
     pub case: Option<&'static Case>,
     /// A variable, and what its value exceeds.
     pub above: Option<(&'static Variable, f64)>,
-}
-
-/// Where a number stands in the sentence of a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reading {
-    /// The line of the step.
-    pub line: Name,
-    /// The words before the number, or empty.
-    pub after: &'static str,
-    /// The words after the number.
-    pub before: &'static str,
-    /// The unit, or empty.
-    pub unit: &'static str,
 }
 
 /// The true answer to a question.
@@ -124,7 +103,7 @@ const GIVEN_AWAY_PX: f32 = 0.75;
 impl Reply {
     /// The case of a step at `line`.
     pub const fn at(line: Name, answer: &'static str) -> Self {
-        Self { answer, line, says: "", over: None, case: None, above: None }
+        Self { answer, line, case: None, above: None }
     }
 
     /// The answer where a step at `line` tells `case`.
@@ -137,46 +116,10 @@ impl Reply {
         Self { above: Some((of, limit)), ..Self::at(line, answer) }
     }
 
-    /// The case of a step at `line` with a sentence that contains `says`.
-    pub const fn says(line: Name, says: &'static str, answer: &'static str) -> Self {
-        Self { says, ..Self::at(line, answer) }
-    }
-
-    /// The case of a step whose number at `reading` exceeds `limit`.
-    pub const fn over(reading: Reading, limit: f64, answer: &'static str) -> Self {
-        Self { over: Some((reading, limit)), ..Self::at(reading.line, answer) }
-    }
-
     /// Whether `step` is this case.
     pub fn holds(&self, step: &Step) -> bool {
         let exceeds = |(of, limit)| step.value(of).and_then(Value::rounded).is_some_and(|value| value > limit);
-        self.line == step.line
-            && self.case.is_none_or(|case| step.is(case))
-            && self.above.is_none_or(exceeds)
-            && self.is_said(&step.sentence.plain())
-    }
-
-    /// Whether `sentence`, of a step at its line, is that of this case.
-    fn is_said(&self, sentence: &str) -> bool {
-        let exceeds =
-            |(reading, limit): (Reading, f64)| reading.number(sentence).is_some_and(|(value, _)| value > limit);
-        sentence.contains(self.says) && self.over.is_none_or(exceeds)
-    }
-}
-
-impl Reading {
-    /// The number in `sentence`, with its text; `None` if the words around it are missing.
-    pub fn number(&self, sentence: &str) -> Option<(f64, String)> {
-        let rest = &sentence[sentence.find(self.after)? + self.after.len()..];
-        let mut words = rest[..rest.find(self.before)?].split(' ');
-        let shown = words.next_back()?;
-        // “less than 1” is no number.
-        if !self.after.is_empty() && words.next().is_some() {
-            return None;
-        }
-        let digits: String = shown.chars().filter(|c| *c != '\u{202f}').collect();
-        let value = digits.replace('\u{2212}', "-").parse().ok()?;
-        Some((value, shown.to_owned()))
+        self.line == step.line && self.case.is_none_or(|case| step.is(case)) && self.above.is_none_or(exceeds)
     }
 }
 
@@ -191,13 +134,8 @@ impl Question {
         Self::new(id, text, Asked::Choice(cases))
     }
 
-    /// A question for a number.
-    pub const fn number(id: &'static str, text: &'static str, reading: Reading) -> Self {
-        Self::new(id, text, Asked::Number(reading))
-    }
-
     const fn new(id: &'static str, text: &'static str, asked: Asked) -> Self {
-        Self { id, text, asked, unless: "", obvious: &[], in_first_unit: true, once: false }
+        Self { id, text, asked, obvious: &[], in_first_unit: true, once: false }
     }
 
     /// A question for a value of a step at `line`.
@@ -209,12 +147,6 @@ impl Question {
     #[must_use]
     pub const fn unless_told(self, cases: &'static [&'static Case]) -> Self {
         Self { obvious: cases, ..self }
-    }
-
-    /// The same question, but not asked about a step whose sentence contains `says`: there the answer needs no thought.
-    #[must_use]
-    pub const fn unless(self, says: &'static str) -> Self {
-        Self { unless: says, ..self }
     }
 
     /// The same question, but not asked in the first unit of a run, in which the answer is always the same.
@@ -232,7 +164,6 @@ impl Question {
     /// The unit of the number that is asked for, of a count what is counted; empty if it has none, or no number is asked for.
     pub fn unit(&self) -> String {
         match self.asked {
-            Asked::Number(reading) => reading.unit.into(),
             Asked::Value { of, .. } if of.unit.decimals == Decimals::Count => plural(of.unit.name),
             Asked::Value { of, .. } => of.unit.name.into(),
             Asked::Choice(_) | Asked::Place { .. } => String::new(),
@@ -259,9 +190,6 @@ impl Question {
 
     /// The answer that `after` gives; `None` if it does not answer the question, or if `before` gives the answer away.
     pub fn answer(&self, before: Shown<'_>, after: Shown<'_>) -> Option<Answer> {
-        if !self.unless.is_empty() && after.step.sentence.plain().contains(self.unless) {
-            return None;
-        }
         if self.obvious.iter().any(|case| after.step.is(case)) {
             return None;
         }
@@ -272,11 +200,6 @@ impl Question {
                 let case = cases.iter().find(|case| case.holds(after.step))?;
                 self.choices().iter().position(|answer| *answer == case.answer).map(Answer::Choice)
             }
-            Asked::Number(reading) if reading.line == after.step.line => {
-                let (value, shown) = reading.number(&after.step.sentence.plain())?;
-                Some(Answer::Number { value, shown })
-            }
-            Asked::Number(_) => None,
             Asked::Value { line, of } if *line == after.step.line => {
                 let value = after.step.value(of)?;
                 Some(Answer::Number { value: value.rounded()?, shown: value.bare() })
@@ -356,7 +279,7 @@ fn middles(shape: &Shape) -> Vec<[f32; 2]> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Sentence, Unit};
+    use super::super::Unit;
     use super::*;
 
     crate::pseudocode! {
@@ -371,56 +294,38 @@ mod tests {
 
     crate::cases! { over value;
         COVERED: "The update covers {share} of the way.",
+        BELOW: "It is below the minimum.",
+        ABOVE: "It exceeds the minimum.",
     }
 
     const QUESTION: Question = Question::choice(
         "lower",
         "Is it lower?",
         &[
-            Reply::says(line::TEST, "is below", "Yes"),
-            Reply::says(line::TEST, "exceeds", "No"),
+            Reply::told(line::TEST, case::BELOW, "Yes"),
+            Reply::told(line::TEST, case::ABOVE, "No"),
             Reply::at(line::KEEP, "Yes"),
         ],
     );
 
-    fn step(line: Name, said: &str) -> Step {
-        Step { sentence: Sentence::default().text(said), ..Step::at(line) }
-    }
-
-    fn answer(question: &Question, line: Name, said: &str) -> Option<Answer> {
-        let (before, after, scene) = (step(line::TEST, ""), step(line, said), Scene::default());
-        question.answer(Shown { step: &before, scene: &scene }, Shown { step: &after, scene: &scene })
+    fn answer(question: &Question, after: &Step) -> Option<Answer> {
+        let (before, scene) = (Step::at(line::TEST), Scene::default());
+        question.answer(Shown { step: &before, scene: &scene }, Shown { step: after, scene: &scene })
     }
 
     #[test]
     fn the_first_case_that_holds_is_the_answer() {
         assert_eq!(QUESTION.choices(), ["Yes", "No"]);
-        assert_eq!(answer(&QUESTION, line::TEST, "12 is below 13"), Some(Answer::Choice(0)));
-        assert_eq!(answer(&QUESTION, line::TEST, "14 exceeds 13"), Some(Answer::Choice(1)));
-        assert_eq!(answer(&QUESTION, line::KEEP, "whatever"), Some(Answer::Choice(0)));
-        assert_eq!(answer(&QUESTION, line::TEST, "the first"), None, "no case");
-    }
-
-    #[test]
-    fn a_number_beyond_a_limit_is_a_case() {
-        const SHARE: Reading = Reading { line: line::TEST, after: "covers ", before: " %", unit: "%" };
-        const HALF: Question = Question::choice(
-            "half",
-            "Is it more than half?",
-            &[Reply::over(SHARE, 50.0, "Yes"), Reply::says(line::TEST, "covers", "No")],
-        );
-        assert_eq!(answer(&HALF, line::TEST, "The update covers 51 % of it."), Some(Answer::Choice(0)));
-        assert_eq!(answer(&HALF, line::TEST, "The update covers 50 % of it."), Some(Answer::Choice(1)));
-        assert_eq!(answer(&HALF, line::TEST, "The update covers less than 1 % of it."), Some(Answer::Choice(1)));
-        assert_eq!(answer(&HALF, line::KEEP, "The update covers 51 % of it."), None);
+        let test = || Step::at(line::TEST);
+        assert_eq!(answer(&QUESTION, &test().say(case::BELOW)), Some(Answer::Choice(0)));
+        assert_eq!(answer(&QUESTION, &test().say(case::ABOVE)), Some(Answer::Choice(1)));
+        assert_eq!(answer(&QUESTION, &Step::at(line::KEEP)), Some(Answer::Choice(0)));
+        assert_eq!(answer(&QUESTION, &test()), None, "no case");
     }
 
     #[test]
     fn a_question_reads_values_and_cases() {
-        let told = |step: Step, question: &Question| {
-            let (before, scene) = (Step::at(line::TEST), Scene::default());
-            question.answer(Shown { step: &before, scene: &scene }, Shown { step: &step, scene: &scene })
-        };
+        let told = |step: Step, question: &Question| answer(question, &step);
         let covered = |share: f64| Step::at(line::TEST).put(value::SHARE, share).say(case::COVERED);
         let share = Question::value("share", "Which share?", line::TEST, value::SHARE);
         assert_eq!(told(covered(92.6), &share), Some(Answer::Number { value: 93.0, shown: "93".into() }));
@@ -435,27 +340,13 @@ mod tests {
 
     #[test]
     fn what_needs_no_thought_is_not_asked() {
-        let question = QUESTION.unless("12 is");
-        assert_eq!(answer(&question, line::TEST, "12 is below 13"), None);
-        assert_eq!(answer(&question, line::TEST, "11 is below 13"), Some(Answer::Choice(0)));
+        let question = QUESTION.unless_told(&[case::BELOW]);
+        assert_eq!(answer(&question, &Step::at(line::TEST).say(case::BELOW)), None);
+        assert_eq!(answer(&question, &Step::at(line::TEST).say(case::ABOVE)), Some(Answer::Choice(1)));
         assert_eq!([0, 1].map(|unit| QUESTION.is_asked_in(unit)), [true, true]);
         let later = QUESTION.after_first_unit();
         assert_eq!([0, 1].map(|unit| later.is_asked_in(unit)), [false, true]);
         assert!(!QUESTION.once && QUESTION.once_per_reference().once);
-    }
-
-    #[test]
-    fn a_number_is_read_between_its_words() {
-        let reading = Reading { line: line::TEST, after: "covers ", before: " %", unit: "%" };
-        let number = |said: &str| reading.number(said).map(|(value, _)| value);
-        assert_eq!(number("The update covers 93 % of the way."), Some(93.0));
-        assert_eq!(number("The update covers \u{2212}1\u{202f}234.5 % of it."), Some(-1234.5));
-        assert_eq!(number("The update covers less than 1 % of it."), None);
-        assert_eq!(number("The update covers nothing."), None);
-        let question = Question::number("share", "Which share?", Reading { after: "", ..reading });
-        let shown = Some(Answer::Number { value: 7.0, shown: "7".into() });
-        assert_eq!(answer(&question, line::TEST, "All in all 7 % remain."), shown);
-        assert_eq!(answer(&question, line::KEEP, "All in all 7 % remain."), None);
     }
 
     #[test]
@@ -466,7 +357,7 @@ mod tests {
             scene.mark(Picture::NEXT, role, Shape::pixels(x, 4, 3, 3));
             scene
         };
-        let steps = [step(line::TEST, ""), step(line::KEEP, "")];
+        let steps = [line::TEST, line::KEEP].map(Step::at);
         let answer = |before: &Scene, after: &Scene| {
             question.answer(Shown { step: &steps[0], scene: before }, Shown { step: &steps[1], scene: after })
         };
@@ -480,12 +371,11 @@ mod tests {
 
     #[test]
     fn questions_with_an_answer_take_turns() {
-        let number = Reading { line: line::TEST, after: "", before: " is", unit: "" };
-        let questions = [QUESTION, Question::number("cost", "Which cost?", number)];
-        let (step, scene) = (step(line::TEST, "12 is below 13"), Scene::default());
+        let questions = [QUESTION, Question::value("share", "Which share?", line::TEST, value::SHARE)];
+        let (step, scene) = (Step::at(line::TEST).put(value::SHARE, 12.0).say(case::BELOW), Scene::default());
         let shown = Shown { step: &step, scene: &scene };
         let id = |turn| asked(&questions, shown, shown, turn).map(|(question, _)| question.id);
-        assert_eq!([0, 1, 2].map(id), [Some("lower"), Some("cost"), Some("lower")]);
+        assert_eq!([0, 1, 2].map(id), [Some("lower"), Some("share"), Some("lower")]);
         assert_eq!(asked(&[], shown, shown, 3), None);
     }
 }

@@ -1,7 +1,7 @@
 //! Laws about the questions of every estimator: each is asked, each of its answers is one that a run gives.
 
-use motionscope_core::scene::{Asked, Question, Reading, Reply, Sentence};
-use motionscope_core::{Info, Step, pseudocode};
+use motionscope_core::scene::{Asked, Question, Reply, Unit};
+use motionscope_core::{Info, Step, pseudocode, variables};
 
 use crate::common::toy;
 use crate::rules;
@@ -29,7 +29,6 @@ fn faults(info: &Info, question: &Question) -> Vec<String> {
 /// The answers that no step gives.
 fn unanswered(info: &Info, question: &Question, seen: &Seen) -> Vec<String> {
     let place = format!("{}: {}", info.id, question.id);
-    let said = |line| seen.sentences.values().filter(move |(lines, _)| lines.contains(&line)).map(|(_, said)| said);
     match question.asked {
         Asked::Choice(cases) => {
             let never = cases.iter().enumerate().filter(|(i, case)| {
@@ -37,13 +36,6 @@ fn unanswered(info: &Info, question: &Question, seen: &Seen) -> Vec<String> {
                 info.line(case.line).is_some() && !seen.cases.contains(&(question.id, *i))
             });
             never.map(|(_, case)| format!("{place}: no step of {} {}", case.line, told(case))).collect()
-        }
-        Asked::Number(reading) => {
-            let is_there = said(reading.line).any(|said| reading.number(said).is_some());
-            (!is_there)
-                .then(|| format!("{place}: no sentence of {} has the number", reading.line))
-                .into_iter()
-                .collect()
         }
         Asked::Value { line, of } => {
             let is_there = seen.values.contains(&(line, of.name));
@@ -58,11 +50,10 @@ fn unanswered(info: &Info, question: &Question, seen: &Seen) -> Vec<String> {
 
 /// What a step of a case tells.
 fn told(case: &Reply) -> String {
-    match (case.over, case.case, case.above) {
-        (Some((reading, limit)), ..) => format!("has more than {limit} after “{}”", reading.after),
-        (_, Some(case), _) => format!("tells the case {}", case.name),
-        (_, _, Some((of, limit))) => format!("has {} above {limit}", of.name),
-        _ => format!("says “{}”", case.says),
+    match (case.case, case.above) {
+        (Some(case), _) => format!("tells the case {}", case.name),
+        (_, Some((of, limit))) => format!("has {} above {limit}", of.name),
+        (None, None) => "is at it".into(),
     }
 }
 
@@ -94,18 +85,22 @@ pseudocode! {
     UPDATE: "update",
 }
 
+variables! {
+    /// The share of the way.
+    SHARE: "Share", "", Unit::WHOLE_PERCENT;
+}
+
 #[test]
-fn a_limit_that_no_number_exceeds_is_found() {
-    const SHARE: Reading = Reading { line: line::UPDATE, after: "covers ", before: " %", unit: "%" };
-    const MOST: &[Reply] = &[Reply::over(SHARE, 50.0, "Yes"), Reply::says(line::UPDATE, "covers", "No")];
-    const ALL_OF_IT: &[Reply] = &[Reply::over(SHARE, 100.0, "Yes"), Reply::says(line::UPDATE, "covers", "No")];
+fn a_limit_that_no_value_exceeds_is_found() {
+    const MOST: &[Reply] = &[Reply::above(line::UPDATE, (value::SHARE, 50.0), "Yes"), Reply::at(line::UPDATE, "No")];
+    const ALL_OF_IT: &[Reply] =
+        &[Reply::above(line::UPDATE, (value::SHARE, 100.0), "Yes"), Reply::at(line::UPDATE, "No")];
     let info = toy(line::ALL);
     let questions = [("most", MOST), ("all", ALL_OF_IT)].map(|(id, cases)| Question::choice(id, "Is it so?", cases));
     let mut seen = Seen::default();
-    for said in ["It covers 40 % of it.", "It covers 100 % of it."] {
-        let step = Step { sentence: Sentence::default().text(said), ..Step::at(line::UPDATE) };
-        seen.decide(&questions, &step);
+    for share in [40.0, 100.0] {
+        seen.decide(&questions, &Step::at(line::UPDATE).put(value::SHARE, share));
     }
     let found = questions.map(|question| unanswered(&info, &question, &seen));
-    assert_eq!(found, [vec![], vec!["toy: all: no step of update has more than 100 after “covers ”".to_owned()]]);
+    assert_eq!(found, [vec![], vec!["toy: all: no step of update has share above 100".to_owned()]]);
 }

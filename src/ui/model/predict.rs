@@ -321,5 +321,5 @@ pub fn asks_for_place(question: &Question) -> bool {
 
 /// Whether a question is answered by a number.
 pub fn asks_for_number(question: &Question) -> bool {
-    matches!(question.asked, Asked::Number(_) | Asked::Value { .. })
+    matches!(question.asked, Asked::Value { .. })
 }

@@ -316,7 +316,7 @@ fn matrices_of(step: &Step) -> &[Matrix] {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::scene::{Fact, Reply, Sentence};
+    use motionscope_core::scene::{Fact, Reply};
 
     use super::super::tests::formula;
     use super::*;
@@ -325,8 +325,12 @@ mod tests {
         GATE: "gate the measurement",
     }
 
-    const CASES: &[Reply] = &[Reply::says(line::GATE, "accepted", "Yes"), Reply::at(line::GATE, "No")];
-    const QUESTION: Question = Question::choice("gate", "Is it inside?", CASES);
+    motionscope_core::cases! {
+        ACCEPTED: "It is accepted.",
+    }
+
+    const REPLIES: &[Reply] = &[Reply::told(line::GATE, case::ACCEPTED, "Yes"), Reply::at(line::GATE, "No")];
+    const QUESTION: Question = Question::choice("gate", "Is it inside?", REPLIES);
 
     fn matrix(symbol: &'static str, side: usize) -> Matrix {
         let entries = Grid::from_fn(side, side, |x, y| (10 * y + x) as f64 + 0.25);
@@ -335,7 +339,7 @@ mod tests {
     }
 
     fn step(readouts: Vec<Readout>) -> Step {
-        Step { values: Vec::new(), line: line::GATE, sentence: Sentence::default().text("It is accepted."), readouts }
+        Step::at(line::GATE).say(case::ACCEPTED).show_all(readouts)
     }
 
     fn exercise(step: &Step, questions: &[Question], fill: Fill) -> Exercise {

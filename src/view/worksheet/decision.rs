@@ -36,7 +36,7 @@ fn of_this(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::scene::{Reading, Reply, Sentence};
+    use motionscope_core::scene::{Name, Reply, Unit};
 
     use super::*;
 
@@ -45,21 +45,23 @@ mod tests {
         KEEP: "keep the best",
     }
 
-    const CASES: &[Reply] = &[Reply::says(line::TEST, "exceeds", "No"), Reply::at(line::TEST, "Yes: it is lower")];
-    const READING: Reading = Reading { line: line::TEST, after: "cost ", before: " ", unit: "" };
-
-    fn step(line: motionscope_core::scene::Name, said: &str) -> Step {
-        Step { sentence: Sentence::default().text(said), ..Step::at(line) }
+    motionscope_core::variables! {
+        /// The cost of the candidate.
+        COST: "Cost", "c", Unit::WHOLE;
     }
+
+    const REPLIES: &[Reply] =
+        &[Reply::above(line::TEST, (value::COST, 8.0), "No"), Reply::at(line::TEST, "Yes: it is lower")];
 
     #[test]
     fn a_choice_that_the_step_answers_is_asked_about_this_step() {
         let questions = [
-            Question::number("cost", "Which cost has the next candidate?", READING),
-            Question::choice("lower", "Does the next candidate lower the minimum?", CASES),
+            Question::value("cost", "Which cost has the next candidate?", line::TEST, value::COST),
+            Question::choice("lower", "Does the next candidate lower the minimum?", REPLIES),
         ];
-        let decision =
-            |questions: &[Question], line, unit| Decision::of(questions, (&step(line, "cost 9 exceeds 8"), unit));
+        let decision = |questions: &[Question], line: Name, unit| {
+            Decision::of(questions, (&Step::at(line).put(value::COST, 9), unit))
+        };
         let asked = decision(&questions, line::TEST, 0).expect("a decision");
         assert_eq!(asked.text, "Does this candidate lower the minimum?");
         assert_eq!((asked.choices[asked.right], asked.choices.len()), ("No", 2));

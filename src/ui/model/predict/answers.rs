@@ -282,7 +282,7 @@ fn mark(scene: &mut Scene, guesses: &Guesses) {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::scene::{Reading, Reply};
+    use motionscope_core::scene::{Reply, Unit};
 
     use super::*;
 
@@ -290,11 +290,18 @@ mod tests {
         TEST: "test",
     }
 
-    const CHOICE: Question =
-        Question::choice("a", "A?", &[Reply::says(line::TEST, "is", "Yes"), Reply::at(line::TEST, "No")]);
+    motionscope_core::variables! {
+        /// A length.
+        LENGTH: "Length", "d", Unit::new("px", 0);
+    }
+
+    const CHOICE: Question = Question::choice(
+        "a",
+        "A?",
+        &[Reply::above(line::TEST, (value::LENGTH, 5.0), "Yes"), Reply::at(line::TEST, "No")],
+    );
     const PLACE: Question = Question::place("b", "B?", line::TEST, Role::Best);
-    const NUMBER: Question =
-        Question::number("c", "C?", Reading { line: line::TEST, after: "", before: " px", unit: "px" });
+    const NUMBER: Question = Question::value("c", "C?", line::TEST, value::LENGTH);
 
     #[test]
     fn hands_are_counted_for_the_answers() {
