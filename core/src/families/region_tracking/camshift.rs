@@ -1,6 +1,7 @@
 //! CamShift: a window moves to the mean of the back-projected hue histogram, and moments give its size and angle.
 
 mod explain;
+mod vocabulary;
 
 use std::sync::Arc;
 
@@ -13,6 +14,8 @@ use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
 use crate::scene::{Name, Question, Reply};
 use crate::{choices, params, pseudocode};
+
+use vocabulary::case;
 
 choices! {
     /// Treatment of hues that the surroundings of the object have too.
@@ -249,8 +252,8 @@ impl RegionModel for Camshift {
             "converged",
             "Does the next shift end the iterations?",
             &[
-                Reply::says(line::SHIFT, "converged", "Yes: it is shorter than ε"),
-                Reply::says(line::SHIFT, "the moments are computed anew", "No: another shift follows"),
+                Reply::told(line::SHIFT, case::CONVERGED, "Yes: it is shorter than ε"),
+                Reply::told(line::SHIFT, case::NOT_CONVERGED, "No: another shift follows"),
             ],
         ),
         LOST,

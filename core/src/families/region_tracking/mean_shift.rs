@@ -1,6 +1,7 @@
 //! Mean shift: an ellipse climbs to the place where its colour histogram is most like that of the object.
 
 mod explain;
+mod vocabulary;
 
 use std::sync::Arc;
 
@@ -12,6 +13,8 @@ use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
 use crate::scene::{Name, Question, Reply};
 use crate::{choices, params, pseudocode};
+
+use vocabulary::case;
 
 choices! {
     /// Treatment of colours that the surroundings of the object have too.
@@ -262,8 +265,8 @@ impl RegionModel for MeanShift {
             "converged",
             "Does the next shift end the iterations?",
             &[
-                Reply::says(line::SHIFT, "Converged", "Yes: it is shorter than ε"),
-                Reply::says(line::SHIFT, "the weights are computed anew", "No: another shift follows"),
+                Reply::told(line::SHIFT, case::CONVERGED, "Yes: it is shorter than ε"),
+                Reply::told(line::SHIFT, case::NOT_CONVERGED, "No: another shift follows"),
             ],
         ),
         LOST,

@@ -1,11 +1,12 @@
 //! Template tracking: a template is aligned with each frame by Lucas and Kanade's method, and updated without drift.
 
+mod charts;
 mod explain;
 mod template;
+mod vocabulary;
 
 use std::sync::Arc;
 
-use crate::base::words::counted;
 use crate::base::{Observer, effort};
 use crate::data::{Clip, Frame};
 use crate::methods::alignment::{Compared, composed, solve};
@@ -13,10 +14,11 @@ use crate::methods::region::{LOST, RegionModel, Settings, Similarity, WHERE};
 use crate::products::model::Matrix3;
 use crate::products::{Model as Group, Region, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Chart, Name, Question, Reply};
+use crate::scene::{Chart, Name, Question, Reply, Sentence};
 use crate::{choices, params, pseudocode};
 
 use template::{Pyramid, Template, farthest, pyramid, region_of, stretch};
+use vocabulary::{case, value};
 
 choices! {
     /// Group of the warps of a template.
@@ -349,9 +351,9 @@ impl RegionModel for TemplateTracker {
             "diverged",
             "How does the next iteration end?",
             &[
-                Reply::says(line::ALIGN, "another iteration", "Another iteration follows"),
-                Reply::says(line::ALIGN, "has diverged", "The alignment has diverged"),
-                Reply::says(line::ALIGN, "the last update is undone", "The error no longer falls"),
+                Reply::told(line::ALIGN, case::NOT_CONVERGED, "Another iteration follows"),
+                Reply::told(line::ALIGN, case::DIVERGED, "The alignment has diverged"),
+                Reply::told(line::ALIGN, case::UNDONE, "The error no longer falls"),
             ],
         ),
         LOST,
@@ -372,16 +374,12 @@ impl RegionModel for TemplateTracker {
         &self.settings
     }
 
-    fn refusal(&self, frame: &Frame, region: Region) -> Option<String> {
+    fn refuse(&self, frame: &Frame, region: Region) -> Option<Sentence> {
         let group = self.warp.group();
         let template = Template::first(&pyramid(frame.luma(), 1), region, group);
         let is_regular = solve(&template.levels[0].hessian, &vec![0.0; group.freedom()]).is_some();
-        (!is_regular).then(|| {
-            format!(
-                "the Hessian of its pixels is singular, so their texture does not determine {} of the warp.",
-                counted(group.freedom(), "parameter")
-            )
-        })
+        let told = || Sentence::default().say(case::SINGULAR_TEMPLATE, &[value::PARAMETERS.is(group.freedom())]);
+        (!is_regular).then(told)
     }
 
     fn begin(&self, frame: &Arc<Frame>, region: Region, observer: &mut impl Observer<Event>) -> (Model, f32) {

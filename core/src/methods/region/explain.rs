@@ -1,14 +1,13 @@
-//! What all trackers of a region explain alike: the start, the result of a frame, the conclusion of the run.
+//! The explanation that all trackers of a region share: the start, and the result of a frame.
 
-use super::content;
 use super::ending::{FAIR, GROWN};
 use super::regained::Regained;
-use super::start::{Origin, WHOLE};
+use super::start::Origin;
 use super::vocabulary::{case, value};
-use super::{At, Ending, Event, Explained, Outcome, RegionTracking, State, line, plots};
+use super::{At, Event, Explained, RegionTracking, State, line, plots};
 use crate::data::Clip;
-use crate::products::region::{NEAR_PX, RegionError, RegionScores, Sight, area_ratio, covered, success};
-use crate::products::{Region, RegionField, RegionFrame};
+use crate::products::region::{RegionError, Sight, area_ratio, covered, success};
+use crate::products::{Region, RegionFrame};
 use crate::run::Seen;
 use crate::scene::{Case, Name, Picture, Readout, Role, Scene, Series, Shape, Step, Unit, Variable};
 
@@ -19,7 +18,7 @@ impl<T: Explained> RegionTracking<T> {
     /// The similarity by which the tracker judges its match.
     const SIMILARITY: &'static Variable =
         &Variable { label: T::SIMILARITY.label, unit: Self::UNIT, ..*value::SIMILARITY };
-    const UNIT: Unit = Unit::new("", T::SIMILARITY.decimals as u8);
+    pub(super) const UNIT: Unit = Unit::new("", T::SIMILARITY.decimals as u8);
 
     pub(super) fn line_of(&self, event: &Event<T::Event>) -> Name {
         match event {
@@ -102,7 +101,7 @@ impl<T: Explained> RegionTracking<T> {
             (Some(error), _) => match verdict(error) {
                 Some(verdict) => {
                     let limit = if error.overlap == 0.0 { case::NO_OVERLAP } else { case::BELOW_FAIR };
-                    judged(step.say(case::OVERLAP), error).say(limit).say(verdict)
+                    put_verdict(step.say(case::OVERLAP), error).say(limit).say(verdict)
                 }
                 None => step.say(case::OVERLAP),
             }
@@ -114,59 +113,11 @@ impl<T: Explained> RegionTracking<T> {
     }
 
     /// Adds what the tracker tells at its last event of the frame, if it has one.
-    fn with_last(seen: &Seen<Self>, step: Step, tell: impl FnOnce(&At<'_, T>, Step) -> Step) -> Step {
+    pub(super) fn with_last(seen: &Seen<Self>, step: Step, tell: impl FnOnce(&At<'_, T>, Step) -> Step) -> Step {
         match Self::at_last(seen) {
             Some(at) => tell(&at, step),
             None => step,
         }
-    }
-
-    /// The conclusion at the end of the run: the scores, what became of the region, and why.
-    fn concluded(&self, (seen, after): (&Seen<Self>, &State<T::Model>), result: &RegionFrame, step: Step) -> Step {
-        let errors = errors(seen.clip, after);
-        let ending = Ending::in_clip(&after.field(), seen.clip, &errors);
-        let step = step.put(value::REPORTED, ending.reported).put(value::HIDDEN, ending.hidden);
-        let step = match RegionScores::of(&errors) {
-            Some(of) => scored(step, &of, ending),
-            None => step.put(value::FRAMES, after.past.len()).say(case::UNSCORED),
-        };
-        let last = errors.last().filter(|error| error.frame + 1 == after.frame);
-        let step = match last.and_then(|error| Some((error, verdict(error)?))) {
-            _ if result.is_lost => {
-                Self::with_last(seen, step.say(case::LAST_LOST), |at, step| self.0.tell_loss(at, step)).say(case::END)
-            }
-            Some((error, verdict)) => judged(step, error).say(case::LAST).say(verdict).say(case::END),
-            None => Self::with_last(seen, step, |at, step| self.0.tell_caveat(at, step)),
-        };
-        let step = match self.0.settings().restart {
-            true => restarted(after, step),
-            false => Self::regained((after, &errors), step),
-        };
-        let step = content::tell(step, seen.clip, &after.mask_field(), &errors);
-        let vanished = Vanished::of(&after.field(), seen.clip);
-        let step = match &vanished {
-            Some(vanished) => vanished.tell(step),
-            None => step,
-        };
-        let step = Self::with_last(seen, step, |at, step| self.0.tell_summary(at, step));
-        if ending.outcome == Outcome::Unknown {
-            return step.say(case::UNJUDGED);
-        }
-        // The last regions are off because there is little or nothing to see, whatever a tracker compares.
-        let tells_cause = T::JUDGES_LOSS && ending.loss.is_some();
-        if vanished.is_some() && !tells_cause && !matches!(ending.outcome, Outcome::Followed | Outcome::Regained) {
-            return step;
-        }
-        Self::with_last(seen, step, |at, step| self.0.advise(ending, at, step))
-    }
-
-    /// Tells at the end of a run of the region that was found again after its longest loss.
-    fn regained((after, errors): (&State<T::Model>, &[RegionError]), step: Step) -> Step {
-        let Some(regained) = Regained::longest(&after.past) else { return step };
-        let frame = after.span.first + regained.index;
-        // An object without a true box in the frame is hidden there.
-        let overlap = || errors.iter().find(|error| error.frame == frame).map_or(0.0, |error| error.overlap);
-        regained.conclude(step, Self::UNIT, (frame, (!errors.is_empty()).then(overlap)))
     }
 
     /// The similarity and the overlap over the frames; at the end of the run the success curve too.
@@ -235,7 +186,7 @@ fn is_over<M>(clip: &Clip, state: &State<M>) -> bool {
 }
 
 /// The errors of all frames so far, where the truth is known.
-fn errors<M>(clip: &Clip, state: &State<M>) -> Vec<RegionError> {
+pub(super) fn errors<M>(clip: &Clip, state: &State<M>) -> Vec<RegionError> {
     state.field().errors(clip).unwrap_or_default()
 }
 
@@ -251,39 +202,8 @@ fn sight<T: Explained>(seen: &Seen<RegionTracking<T>>) -> Option<Sight> {
     after.field().sight(seen.clip, after.past.len().checked_sub(1)?).ok().flatten()
 }
 
-/// An object that cannot be seen at the end of a run.
-struct Vanished {
-    /// The first of the last frames in which it is not wholly visible.
-    from: usize,
-    /// The first of the last frames in which no part of it can be seen.
-    gone: usize,
-    /// Why, there.
-    sight: Sight,
-}
-
-impl Vanished {
-    /// Finds it in a run; `None` where the object is visible in the last frame, or its visibility is unknown.
-    fn of(field: &RegionField, clip: &Clip) -> Option<Self> {
-        let last: Vec<(usize, Sight)> = (1..field.frames.len())
-            .rev()
-            .map_while(|index| Some((field.first + index, field.sight(clip, index).ok()??)))
-            .take_while(|(_, sight)| !matches!(sight, Sight::Seen(share) if *share >= WHOLE))
-            .collect();
-        let is_gone = |(_, sight): &&(usize, Sight)| !matches!(sight, Sight::Seen(_));
-        let (gone, sight) = *last.iter().take_while(is_gone).last()?;
-        Some(Self { from: last.last().map_or(gone, |(frame, _)| *frame), gone, sight })
-    }
-
-    fn tell(&self, step: Step) -> Step {
-        let step = step.put(value::DISAPPEARING, self.from).put(value::GONE, self.gone).say(case::BY_TRUTH);
-        let is_absent = self.sight == Sight::Absent;
-        let step = step.say_if(self.from < self.gone, case::DISAPPEARS);
-        step.say(if is_absent { case::IS_ABSENT } else { case::IS_HIDDEN }).say(case::UNSEEN)
-    }
-}
-
 /// What is wrong with a region that has an overlap below 0.5.
-fn verdict(error: &RegionError) -> Option<&'static Case> {
+pub(super) fn verdict(error: &RegionError) -> Option<&'static Case> {
     match error.overlap {
         0.0 => Some(case::NOT_ON),
         0.0..FAIR if area_ratio(error) >= GROWN => Some(case::TOO_LARGE),
@@ -293,20 +213,9 @@ fn verdict(error: &RegionError) -> Option<&'static Case> {
 }
 
 /// Puts the numbers of a verdict.
-fn judged(step: Step, error: &RegionError) -> Step {
+pub(super) fn put_verdict(step: Step, error: &RegionError) -> Step {
     let step = step.put(value::FAIR, FAIR).put(value::TIMES_AS_LARGE, area_ratio(error));
     step.put(value::COVERED, 100.0 * covered(error))
-}
-
-/// The scores of a run.
-fn scored(step: Step, of: &RegionScores, ending: Ending) -> Step {
-    let step = step.put(value::FRAMES, of.frames).put(value::MEAN_OVERLAP, of.overlap).put(value::SUCCESS, of.success);
-    let step = step.put(value::NEAR, NEAR_PX).put(value::PRECISION, of.precision).put(value::FAILURES, of.failures);
-    step.say(case::SCORED).say(match (of.failures, ending.reported) {
-        (0, 0) => case::END,
-        (_, 0) => case::NO_LOSS,
-        (_, _) => case::LOSSES,
-    })
 }
 
 /// Whether the angle of a region is more than none in whole degrees.
@@ -325,22 +234,13 @@ fn placed(step: Step, region: &Region, role: Role) -> Step {
 
 fn chosen<M>(state: &State<M>, step: Step) -> Step {
     if !state.past.is_empty() {
-        return step.put(value::RESTART, state.restarts.count + 1).say(case::RESTARTS);
+        return step.put(value::RESTART, state.restarts.count + 1).say(case::RESTART);
     }
     step.say(case::CHOSEN).say(match state.chosen.origin {
         Origin::Placed => case::PLACED,
         Origin::Truth => case::OF_TRUTH,
         Origin::Middle => case::IN_MIDDLE,
     })
-}
-
-/// The number of restarts at the end of a run.
-fn restarted<M>(state: &State<M>, step: Step) -> Step {
-    match state.restarts.count {
-        0 => step,
-        1 => step.say(case::RESTARTED_ONCE),
-        count => step.put(value::RESTARTS, count).say(case::RESTARTED),
-    }
 }
 
 /// Draws the outline of a region: a box, or an ellipse if it is turned.

@@ -4,6 +4,7 @@
 //! estimator.
 
 pub(crate) mod color;
+mod conclusion;
 mod content;
 mod ending;
 mod explain;

@@ -94,7 +94,7 @@ crate::cases! { pub(crate) over value;
     OPENING: "{estimator} learns an object from its region in the first frame, and finds it in at most {frames}.",
     REGION: "{place}, {width:bare}×{height}",
     REGION_TURNED: "{place}, {width:bare}×{height}, turned by {angle}",
-    RESTARTS: "{reference|Restart} {restart}: in frame {frame} the region is the true box, and the object is learnt again.",
+    RESTART: "{reference|Restart} {restart}: in frame {frame} the region is the true box, and the object is learnt again.",
     CHOSEN: "{reference|Region} of {width:bare}×{height} around {place} in frame {frame},",
     PLACED: "as placed on the frame.",
     OF_TRUTH: "the box of a true object. Place another region to track something else.",

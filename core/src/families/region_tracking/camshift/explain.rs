@@ -1,14 +1,13 @@
 //! The explanation and the drawing of CamShift.
 
+use super::vocabulary::{case, value};
 use super::{Background, Bins, Camshift, Event, Model, Resized, Shift};
-use crate::base::words::{counted, fixed, grouped, place};
 use crate::data::Frame;
 use crate::geometry::{Bounds, Grid};
-use crate::methods::numbers::{px, ratio};
 use crate::methods::region::color::Area;
+use crate::methods::region::vocabulary::{case as shared, value as shared_value};
 use crate::methods::region::{At, Ending, Explained, Outcome, plots};
-use crate::products::Region;
-use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Shape, Surface};
+use crate::scene::{Arrow, Picture, Readout, Role, Scene, Shape, Step, Surface};
 
 /// The back-projection is drawn this far around the window, in px.
 const AROUND_PX: f32 = 24.0;
@@ -23,97 +22,19 @@ const GROWN: f32 = 2.0;
 /// it has 21 %.
 const OWN: f32 = 0.4;
 
-fn degrees(angle_rad: f32) -> String {
-    format!("{}°", fixed(angle_rad.to_degrees().into(), 1))
-}
-
-fn size([width, height]: [f32; 2]) -> String {
-    format!("{}×{} px", px(width.into()), px(height.into()))
-}
-
 impl Explained for Camshift {
-    fn sentence(&self, at: &At<'_, Self>) -> Sentence {
-        let said = Sentence::default();
-        match at.event {
-            Event::Modelled(model) => self.modelled(model, said),
-            Event::Projected(_, window) => said
-                .text("Back-projection: each pixel takes the value of its bin in the ")
-                .ink(Role::Reference, "model q")
-                .text(format!(
-                    ", 1 for the commonest hue of the object. The search starts in the last window, {}.",
-                    size(window.size())
-                )),
-            Event::Shifted(_, shift) => self.shifted(shift, said),
-            Event::Resized(_, resized) => self.resized(at, resized, said),
-        }
-    }
-
-    fn facts(&self, at: &At<'_, Self>) -> Vec<Fact> {
-        match at.event {
-            Event::Shifted(_, shift) => vec![
-                Fact::new("Shift", shift.iteration.to_string(), None),
-                Fact::new("Zeroth moment M₀₀", fixed(shift.mass, 1), None),
-            ],
-            Event::Resized(_, resized) => {
-                let [xx, xy, yy] = resized.moments.covariance().unwrap_or_default();
-                vec![
-                    Fact::new("Axes", size(resized.region.size), Some(Role::Best)),
-                    Fact::new("Angle", degrees(resized.region.angle_rad), None),
-                    Fact::new("Variances along x, y", format!("{}, {} px²", fixed(xx, 1), fixed(yy, 1)), None),
-                    Fact::new("Covariance", format!("{} px²", fixed(xy, 1)), None),
-                ]
+    fn step(&self, at: &At<'_, Self>, step: Step) -> Step {
+        let step = match at.event {
+            Event::Modelled(model) => self.modelled(step, model).show(of_model(model)),
+            Event::Projected(_, window) => {
+                let [width, height] = window.size();
+                let step = step.put(shared_value::WIDTH, width).put(shared_value::HEIGHT, height).say(case::PROJECTED);
+                step.show_all(at.model.map(of_model))
             }
-            Event::Modelled(_) | Event::Projected(..) => Vec::new(),
-        }
-    }
-
-    fn readouts(&self, at: &At<'_, Self>) -> Vec<Readout> {
-        let moment = |index: &str| Math::indexed(Math::Var("M"), Math::text(index));
-        let ratio_of = |over: &str| Math::over(moment(over), moment("00"));
-        let mut readouts = match at.event {
-            Event::Modelled(model) => vec![of_model(model)],
-            Event::Projected(..) => at.model.map(of_model).into_iter().collect(),
-            Event::Shifted(_, shift) => {
-                let center = shift.by.map(|by| [0, 1].map(|i| shift.window.center()[i] + by[i]));
-                let mut parts = vec![
-                    Math::text("("),
-                    Math::Var("x"),
-                    Math::text(", "),
-                    Math::Var("y"),
-                    Math::text(") = ("),
-                    ratio_of("10"),
-                    Math::text(", "),
-                    ratio_of("01"),
-                    Math::text(")"),
-                ];
-                parts.extend(center.map(|at| Math::ink(Role::Best, format!(" = {} px", place(at)))));
-                vec![Readout::Equation(vec![Math::Row(parts)])]
-            }
-            Event::Resized(_, resized) => {
-                let [xx, xy, yy] = resized.moments.covariance().unwrap_or_default();
-                let moment = |index| Math::indexed(Math::Var("σ"), Math::Var(index));
-                let formula = Math::Row(vec![
-                    Math::text("θ"),
-                    Math::text(" = "),
-                    Math::text("½ atan2(2 "),
-                    moment("xy"),
-                    Math::text(", "),
-                    moment("xx"),
-                    Math::text(" − "),
-                    moment("yy"),
-                    Math::text(")"),
-                ]);
-                let numbers = Math::Row(vec![
-                    Math::text("= "),
-                    Math::text(format!("½ atan2({}, {})", fixed(2.0 * xy, 1), fixed(xx - yy, 1))),
-                    Math::text(" = "),
-                    Math::ink(Role::Best, degrees(resized.region.angle_rad)),
-                ]);
-                vec![Readout::Equation(vec![formula, numbers])]
-            }
+            Event::Shifted(_, shift) => self.shifted(step, shift),
+            Event::Resized(_, resized) => self.resized(at, resized, step),
         };
-        readouts.extend(hills(at).map(Readout::Landscape));
-        readouts
+        step.show_all(hills(at).map(Readout::Landscape))
     }
 
     fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
@@ -158,158 +79,97 @@ impl Explained for Camshift {
         }
     }
 
-    fn caveat(&self, at: &At<'_, Self>) -> Option<String> {
-        let (model, Event::Resized(_, resized)) = (at.model?, at.event) else { return None };
-        let (started, first) = model.first;
-        let area = |region: &Region| region.size[0] * region.size[1];
-        let times = f64::from(area(&resized.region) / area(&started));
-        let share = 100.0 * f64::from(resized.similarity / first);
-        if resized.similarity < SPREAD * first {
-            return Some(format!(
-                "The mean back-projection is {} % of that in the first frame: the window has spread over scattered pixels and no longer shows \
-                 where the object is.",
-                fixed(share, 0)
-            ));
+    fn tell_caveat(&self, at: &At<'_, Self>, step: Step) -> Step {
+        let (Some(model), Event::Resized(_, resized)) = (at.model, at.event) else { return step };
+        let (share, times) = (resized.similarity / model.first.1, resized.growth(model));
+        let step = step.put(value::SHARE, 100.0 * share).put(value::TIMES, times);
+        match () {
+            () if share < SPREAD => step.say(case::SPREAD),
+            () => step.say_if(times > GROWN, case::LARGER),
         }
-        (times > f64::from(GROWN)).then(|| {
-            format!(
-                "The ellipse has {} times the area of the first one: the object has come nearer, or the window has spread over a background of \
-                 like hue. The hue cannot tell these apart.",
-                fixed(times, 1)
-            )
-        })
     }
 
-    fn loss(&self, at: &At<'_, Self>) -> Option<String> {
+    fn tell_loss(&self, at: &At<'_, Self>, step: Step) -> Step {
         match at.event {
-            _ if at.model.is_some_and(is_empty) => Some("the model has no hue".into()),
-            Event::Shifted(_, Shift { by: None, .. }) => Some("no pixel of the window has a hue of the object".into()),
-            _ => None,
+            _ if at.model.is_some_and(is_empty) => step.say(case::LOST_MODEL),
+            Event::Shifted(_, Shift { by: None, .. }) => step.say(case::LOST_HUES),
+            _ => step,
         }
     }
 
-    fn advice(&self, ending: Ending, at: &At<'_, Self>) -> String {
-        if at.model.is_some_and(is_empty) {
-            return "The model is empty, because no pixel of the region is saturated and bright enough to have a hue. Lower the minimum \
-                    saturation or value, or place the region on a coloured object."
-                .into();
-        }
-        match ending.outcome {
-            Outcome::Followed => {
-                "The hue of the object stood out. Every pixel with the hue counts, wherever it is, so on a background of like hue the window \
-                 would grow over it."
-            }
-            Outcome::Regained => {
-                "The window left the object and met it again. CamShift predicts no velocity, so it finds only what comes back into the window."
-            }
-            Outcome::Grown => {
-                "The window spread over a background of like hue, because every pixel with the hue counts, wherever it is. Mean shift compares \
-                 shares of all colours, and a correlation filter knows the pattern."
-            }
-            Outcome::Shrunk => "The window shrank to the part of the object that has the hues of the model.",
-            Outcome::Beside | Outcome::Unknown => {
-                "The window holds a part of the object only: the moments follow all pixels with its hue, those of the background too."
-            }
-            Outcome::Lost if ending.hidden > 0 => {
-                return format!(
-                    "The object was hidden in {}, and the window has no velocity that carries it on, unlike the particles of a particle filter.",
-                    counted(ending.hidden, "frame")
-                );
-            }
-            Outcome::Lost => {
-                "Pixels of like hue beside the object, or an occlusion, took the window away, or the object left it between two frames. Fewer \
-                 colours of the background in the region, a higher minimum saturation, or mean shift with a background-weighted histogram help."
-            }
-        }
-        .into()
+    fn advise(&self, ending: Ending, at: &At<'_, Self>, step: Step) -> Step {
+        step.say(match ending.outcome {
+            _ if at.model.is_some_and(is_empty) => case::EMPTY_MODEL,
+            Outcome::Followed => case::FOLLOWED,
+            Outcome::Regained => case::REGAINED,
+            Outcome::Grown => case::GROWN,
+            Outcome::Shrunk => case::SHRUNK,
+            Outcome::Beside | Outcome::Unknown => case::BESIDE,
+            Outcome::Lost if ending.hidden > 0 => case::HIDDEN,
+            Outcome::Lost => case::LOST,
+        })
     }
 }
 
 impl Camshift {
-    fn shifted(&self, shift: &Shift, said: Sentence) -> Sentence {
-        let Some(by) = shift.by else {
-            return said
-                .text("The zeroth moment is 0: no pixel of the window has a hue of the object, so the window stays.");
-        };
-        let said = said
-            .text(format!("The window has a zeroth moment of {}. Its centroid lies ", fixed(shift.mass, 1)))
-            .ink(Role::Best, format!("{} px", place(by)))
-            .text(format!(" off the middle, a shift of {} px: ", px(shift.length().into())));
-        let epsilon = px(self.epsilon.into());
-        if shift.length() < self.epsilon {
-            said.text(format!("shorter than ε = {epsilon} px, converged."))
-        } else if shift.iteration == self.iterations {
-            said.text(format!("the limit of {} shifts is reached.", self.iterations))
-        } else {
-            said.text(format!(
-                "not shorter than ε = {epsilon} px, so the window moves and the moments are computed anew."
-            ))
-        }
-    }
-
-    fn resized(&self, at: &At<'_, Self>, resized: &Resized, said: Sentence) -> Sentence {
-        let Resized { window, region, similarity, .. } = resized;
-        let (started, first) = at.model.map_or((at.region, 0.0), |model| model.first);
-        let said = said
-            .text(format!("The second moments in the window with its margin of {} px give an ellipse of ", self.margin))
-            .ink(Role::Best, size(region.size))
-            .text(format!(
-                " turned by {}. Its mean back-projection is {}, {} in the first frame: ",
-                degrees(region.angle_rad),
-                ratio((*similarity).into()),
-                ratio(first.into())
-            ));
-        let grown = region.bounds().area() / window.area();
-        let area = |region: &Region| region.size[0] * region.size[1];
-        let times = area(region) / area(&started);
-        if *similarity >= SPREAD * first && grown <= 0.9 && times > GROWN {
-            return said.text(format!(
-                "the hues of the object fill an ellipse of {} times the area of that in the first frame. Unless the object has come nearer, \
-                 it holds more than the object.",
-                fixed(times.into(), 1)
-            ));
-        }
-        said.text(if *similarity < SPREAD * first {
-            "most pixels inside have another hue, so the window is spread over scattered pixels."
-        } else if grown > 0.9 {
-            "the hue reaches to the border of the window, which will grow further."
-        } else if *similarity < FILLED * first {
-            "a part of the ellipse has another hue. The window of the next frame is the box around it."
-        } else {
-            "the hues of the object fill the ellipse. The window of the next frame is the box around it."
-        })
-    }
-
     /// The model of the object.
-    fn modelled(&self, model: &Model, said: Sentence) -> Sentence {
-        let filled = model.histogram.support.len();
-        let said = said.text("The ").ink(Role::Reference, "model q").text(format!(
-            " is the {} histogram of the ellipse in the region: {} of {} bins are filled",
-            model.histogram.binning.name(),
-            grouped(filled),
-            grouped(model.projection.len())
-        ));
-        if filled == 0 {
-            said.text(
-            ". No pixel is saturated and bright enough to have a hue, so nothing can be found; lower the minimum saturation or value.",
-        )
-        } else {
-            let said = said.text(match self.background {
-            Background::Ignored => ", and the fullest is scaled to 1.",
-            Background::Weighted => {
-                ". Each is multiplied by the share of its pixels, in the object and around it, that lie in the object, and the fullest is scaled \
-                 to 1."
-            }
-        });
-            let share = fixed(100.0 * f64::from(model.own), 0);
-            let said = match model.own < OWN {
-            true => said.text(format!(
-                " Only {share} % of the pixels with these hues lie in the object: its surroundings have them too, so the window may spread."
-            )),
-            false => said,
-        };
-            plots::warned(said, &model.histogram)
+    fn modelled(&self, step: Step, model: &Model) -> Step {
+        let step = plots::put_bins(step, &model.histogram).put(value::OWN, 100.0 * model.own).say(case::MODELLED);
+        if is_empty(model) {
+            return step.say(case::NO_HUE);
         }
+        let step = step.say(match self.background {
+            Background::Ignored => case::SCALED,
+            Background::Weighted => case::WEIGHTED,
+        });
+        step.say_if(model.own < OWN, case::FEW_OWN).say_if(model.histogram.is_flat(), shared::FLAT)
+    }
+
+    fn shifted(&self, step: Step, shift: &Shift) -> Step {
+        let step = step.fact(value::ITERATION, shift.iteration).fact(value::MASS, shift.mass);
+        let formula = r"(x, y) = (\frac{M_{10}}{M_{00}}, \frac{M_{01}}{M_{00}})";
+        let Some(by) = shift.by else { return step.say(case::NO_MASS).formula(formula) };
+        let step = step.put(value::OFFSET, by).put(value::CENTROID, shift.window.moved(by).center());
+        let step = step.put(value::SHIFT_LENGTH, shift.length()).put(value::EPSILON, self.epsilon);
+        let step = step.put(value::ITERATIONS, self.iterations).say(case::SHIFTED);
+        let step = step.say(if shift.length() < self.epsilon {
+            case::CONVERGED
+        } else if shift.iteration == self.iterations {
+            case::EXHAUSTED
+        } else {
+            case::NOT_CONVERGED
+        });
+        step.formula(format!("{formula} = {{centroid:unit}}"))
+    }
+
+    fn resized(&self, at: &At<'_, Self>, resized: &Resized, step: Step) -> Step {
+        let (Some(model), Resized { window, region, similarity, moments }) = (at.model, resized) else { return step };
+        let (first, times) = (model.first.1, resized.growth(model));
+        let [along, across] = region.size;
+        let step = step.put(value::MARGIN, self.margin).fact(value::FIRST_AXIS, along);
+        let step = step.fact(value::SECOND_AXIS, across).fact(value::AXIS_ANGLE, region.angle_rad.to_degrees());
+        let step =
+            step.put(value::PROJECTION, *similarity).put(value::FIRST_PROJECTION, first).put(value::TIMES, times);
+        let is_at_border = region.bounds().area() / window.area() > 0.9;
+        let step = step.say(case::RESIZED).say(match () {
+            () if *similarity < SPREAD * first => case::SCATTERED,
+            () if is_at_border => case::AT_BORDER,
+            () if times > GROWN => case::FILLED_LARGER,
+            () if *similarity < FILLED * first => case::PARTLY_FILLED,
+            () => case::FILLED,
+        });
+        let Some([xx, xy, yy]) = moments.covariance() else { return step };
+        let step = step.fact(value::VARIANCE_X, xx).fact(value::VARIANCE_Y, yy).fact(value::COVARIANCE, xy);
+        step.formula(r"\theta = \text{½ atan2}(2 \sigma_{xy}, \sigma_{xx} - \sigma_{yy})")
+            .formula(r"\theta = \text{½ atan2}(2 \cdot {covariance}, {variance_x} - {variance_y}) = {axis_angle:unit}")
+    }
+}
+
+impl Resized {
+    /// The area of the ellipse as a multiple of that in the first frame.
+    fn growth(&self, model: &Model) -> f32 {
+        let [now, first] = [self.region, model.first.0].map(|region| region.size[0] * region.size[1]);
+        now / first
     }
 }
 
@@ -365,6 +225,7 @@ mod tests {
 
     use super::*;
     use crate::methods::region::RegionModel as _;
+    use crate::products::Region;
 
     /// A red disc on gray, with its centre here.
     fn frame(center: [f32; 2]) -> Arc<Frame> {

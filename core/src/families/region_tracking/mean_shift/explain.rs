@@ -1,80 +1,67 @@
 //! The explanation and the drawing of mean shift.
 
-use super::{Background, Event, LEAST_PX, MeanShift, SCALE_RATE, Search, Shift, Trial};
-use crate::base::words::{counted, fixed, place};
+use super::vocabulary::{case, value};
+use super::{Background, Event, LEAST_PX, MeanShift, SCALE_RATE, Search, Shift};
 use crate::data::Frame;
 use crate::geometry::Grid;
-use crate::methods::numbers::{px, ratio};
 use crate::methods::region::color::{Histogram, ellipse_rows};
+use crate::methods::region::vocabulary::{case as shared, value as shared_value};
 use crate::methods::region::{At, Ending, Explained, Outcome, plots};
 use crate::products::Region;
-use crate::scene::{Arrow, Fact, Math, Picture, PlaneCost, Readout, Role, Scene, Sentence, Series, Shape, Surface};
+use crate::scene::{Arrow, Picture, PlaneCost, Readout, Role, Scene, Series, Shape, Step, Surface};
 
+/// The Bhattacharyya coefficient.
+const COEFFICIENT: &str = r"\rho = \sum_u \sqrt{p_u \, q_u}";
 /// The sizes of a frame in words.
 const SIZES: [&str; 3] = ["present size", "size 10 % smaller", "size 10 % larger"];
 
 impl Explained for MeanShift {
-    fn sentence(&self, at: &At<'_, Self>) -> Sentence {
-        let said = Sentence::default();
+    fn step(&self, at: &At<'_, Self>, step: Step) -> Step {
         match at.event {
             Event::Modelled(histogram) => {
-                let largest = histogram.largest(1).first().map_or(0.0, |bin| histogram.shares[*bin]);
-                let said = said
-                    .text("The ")
-                    .ink(Role::Reference, "model q")
-                    .text(format!(
-                        " is the {} histogram of the ellipse: {} of {} bins are filled, the fullest with a share of {}. The \
-                         Epanechnikov kernel gives pixels near the border little weight, where the background may be seen.",
-                        histogram.binning.name(),
-                        crate::base::words::grouped(histogram.support.len()),
-                        crate::base::words::grouped(histogram.binning.count()),
-                        ratio(largest.into())
-                    ));
-                plots::warned(said, histogram)
-            }
-            Event::Weighted(all) => weighted(all, said),
-            Event::Weighed(_, shift) => self.weighed(at, shift, said),
-            Event::Shifted(_, shift) => self.shifted(shift, said),
-            Event::Scaled(scaled) => {
-                let (trials, best, region) = &**scaled;
-                chosen(trials, *best, *region, said)
-            }
-        }
-    }
-
-    fn facts(&self, at: &At<'_, Self>) -> Vec<Fact> {
-        match at.event {
-            Event::Weighed(_, shift) | Event::Shifted(_, shift) => vec![
-                Fact::new("Size", SIZES[shift.trial], None),
-                Fact::new("Shift", shift.iteration.to_string(), None),
-                Fact::new("Bhattacharyya coefficient", ratio(shift.similarity.into()), Some(Role::Candidate)),
-                Fact::new("Sum of weights", fixed(shift.weights.into(), 1), None),
-            ],
-            Event::Scaled(scaled) => {
-                let sizes = scaled.0.iter().zip(["ρ, present size", "ρ, smaller", "ρ, larger"]);
-                sizes.map(|(trial, label)| Fact::new(label, ratio(trial.similarity.into()), None)).collect()
-            }
-            _ => Vec::new(),
-        }
-    }
-
-    fn readouts(&self, at: &At<'_, Self>) -> Vec<Readout> {
-        match at.event {
-            Event::Modelled(histogram) => {
-                vec![Readout::Series(histograms(histogram, &[("model q", Role::Reference, histogram)]))]
+                let fullest = histogram.shares.iter().copied().fold(0.0, f32::max);
+                let step = plots::put_bins(step, histogram).put(value::FULLEST, fullest).say(case::MODELLED);
+                step.say_if(histogram.is_flat(), shared::FLAT)
+                    .show(histograms(histogram, &[("model q", Role::Reference, histogram)]))
             }
             Event::Weighted(all) => {
                 let [own, around, weighted] = &**all;
+                let share = |of: &Histogram| {
+                    let bins = own.support.iter().map(|bin| usize::from(*bin));
+                    bins.filter(|bin| around.shares[*bin] > 0.0).map(|bin| of.shares[bin]).sum::<f32>()
+                };
+                let step = step.put(value::SHARED, share(own)).put(value::KEPT, share(weighted)).say(case::WEIGHTED);
                 let lines = [
                     ("object", Role::Candidate, own),
                     ("surroundings o", Role::Rejected, around),
                     ("model q", Role::Reference, weighted),
                 ];
-                vec![Readout::Series(histograms(own, &lines))]
+                step.show(histograms(own, &lines))
             }
-            Event::Weighed(frame, shift) => of_shift(at, frame, shift, false),
-            Event::Shifted(frame, shift) => of_shift(at, frame, shift, true),
-            Event::Scaled(_) => vec![Readout::Equation(vec![coefficient()])],
+            Event::Weighed(frame, shift) => {
+                let step = put_shift(step, shift).put(value::CENTER, shift.from.center).say(case::WEIGHED);
+                let step = match last(at, shift.trial, shift.iteration - 1) {
+                    Some(before) => step
+                        .put(value::COEFFICIENT_BEFORE, before.similarity)
+                        .say(if shift.similarity >= before.similarity { case::NOT_FALLEN } else { case::FALLEN }),
+                    None => step.say(shared::END),
+                };
+                let step = step.say(case::WEIGHT).formula(r"w_i = \sqrt{\frac{q_u}{p_u}}");
+                charted(at, (frame, shift, false), step.formula(format!("{COEFFICIENT} = {{coefficient}}")))
+            }
+            Event::Shifted(frame, shift) => {
+                charted(at, (frame, shift, true), self.shifted(put_shift(step, shift), shift))
+            }
+            Event::Scaled(scaled) => {
+                let (trials, best, region) = &**scaled;
+                let coefficients = [value::PRESENT, value::SMALLER, value::LARGER].into_iter().zip(trials);
+                let step = coefficients.fold(step, |step, (of, trial)| step.fact(of, trial.similarity));
+                let step = step.put(shared_value::WIDTH, region.size[0]).put(shared_value::HEIGHT, region.size[1]);
+                let step = step.put(value::BEST_SIZE, SIZES[*best]).put(value::RATE, SCALE_RATE).say(case::SIZES);
+                let step = step.say(if *best == 0 { case::SAME_SIZE } else { case::NEW_SIZE });
+                let is_smallest = region.size.iter().any(|side| *side <= LEAST_PX);
+                step.say_if(is_smallest, case::SMALLEST).say(shared::END).formula(COEFFICIENT)
+            }
         }
     }
 
@@ -116,157 +103,52 @@ impl Explained for MeanShift {
         }
     }
 
-    fn caveat(&self, at: &At<'_, Self>) -> Option<String> {
-        let similarity = found(at)?;
+    fn tell_caveat(&self, at: &At<'_, Self>, step: Step) -> Step {
         // Of one bin, with all pixels of the ellipse in it: equal weights.
-        let is_flat = at.model?.histogram.support.len() == 1 && similarity > 0.9999;
-        is_flat.then(|| {
-            "All pixels of the ellipse lie in the one bin of the model and have the same weight: nothing distinguishes this position from \
-             others on the flat region."
-                .into()
-        })
+        let is_flat = at.model.is_some_and(|model| model.histogram.is_flat());
+        step.say_if(is_flat && found(at).is_some_and(|coefficient| coefficient > 0.9999), case::UNIFORM)
     }
 
-    fn loss(&self, at: &At<'_, Self>) -> Option<String> {
+    fn tell_loss(&self, at: &At<'_, Self>, step: Step) -> Step {
         let is_empty = at.events.iter().any(|event| matches!(event, Event::Shifted(_, shift) if shift.to.is_none()));
-        if is_empty {
-            return Some("none of the pixels of the ellipse has a colour of the model".into());
-        }
-        let least = self.least(at.model?);
-        (found(at)? < least).then(|| {
-            let share = fixed(100.0 * f64::from(self.min_similarity), 0);
-            format!("ρ is below {}, {share} % of that in the first frame", ratio(least.into()))
-        })
+        let Some(model) = at.model.filter(|_| !is_empty) else { return step.say_if(is_empty, case::LOST_COLOURS) };
+        let least = self.least(model);
+        let step = step.put(value::MIN_COEFFICIENT, least).put(value::MIN_SHARE, 100.0 * self.min_similarity);
+        step.say_if(found(at).is_some_and(|coefficient| coefficient < least), case::LOW_COEFFICIENT)
     }
 
-    fn advice(&self, ending: Ending, _at: &At<'_, Self>) -> String {
-        let remedy = match self.background {
-            Background::Ignored => " The background-weighted histogram gives them little weight.",
-            Background::Weighted => "",
-        };
-        match (ending.outcome, self.background) {
-            (Outcome::Followed, Background::Ignored) => {
-                "The colours of the object led the ellipse. Mean shift follows the colours, not the shape: a background of like colour \
-                 attracts it, which the background-weighted histogram resists."
-                    .into()
-            }
-            (Outcome::Followed, Background::Weighted) => {
-                "The colours that only the object has led the ellipse; they were learned in the first frame and are not updated.".into()
-            }
-            (Outcome::Regained, _) => {
-                "The ellipse left the object and met it again. Mean shift predicts no velocity, so it finds only what comes back into the \
-                 ellipse."
-                    .into()
-            }
-            (Outcome::Grown, _) => format!("The ellipse grew over a background with colours of the model.{remedy}"),
-            (Outcome::Shrunk, _) => {
-                "The ellipse shrank to a part of the object: its commonest colours alone have the larger ρ. Without an adapted scale the size \
-                 stays."
-                    .into()
-            }
-            (Outcome::Beside | Outcome::Unknown, _) => {
-                format!("The ellipse holds a part of the object only: colours of the background in the model attract it too.{remedy}")
-            }
-            (Outcome::Lost, _) if ending.hidden > 0 => format!(
-                "The object was hidden in {}, and mean shift predicts no velocity; a particle filter does.",
-                counted(ending.hidden, "frame")
-            ),
-            (Outcome::Lost, _) => {
-                "The object left the picture or, between two frames, the ellipse, or passed a background of like colour. A particle filter keeps several \
-                 hypotheses and a velocity, which mean shift has not."
-                    .into()
-            }
+    fn advise(&self, ending: Ending, _at: &At<'_, Self>, step: Step) -> Step {
+        let is_ignored = self.background == Background::Ignored;
+        match ending.outcome {
+            Outcome::Followed => step.say(if is_ignored { case::FOLLOWED } else { case::FOLLOWED_WEIGHTED }),
+            Outcome::Regained => step.say(case::REGAINED),
+            Outcome::Grown => step.say(case::GROWN).say_if(is_ignored, case::REMEDY),
+            Outcome::Shrunk => step.say(case::SHRUNK),
+            Outcome::Beside | Outcome::Unknown => step.say(case::BESIDE).say_if(is_ignored, case::REMEDY),
+            Outcome::Lost => step.say(if ending.hidden > 0 { case::HIDDEN } else { case::LOST }),
         }
     }
 }
 
 impl MeanShift {
-    fn weighed(&self, at: &At<'_, Self>, shift: &Shift, said: Sentence) -> Sentence {
-        let said = said
-            .text(format!("With the {}, ", SIZES[shift.trial]))
-            .ink(Role::Candidate, format!("ρ = {}", ratio(shift.similarity.into())))
-            .text(format!(" at {} px", place(shift.from.center)));
-        let before = last(at, shift.trial, shift.iteration - 1);
-        let said = match before {
-            Some(before) if shift.similarity >= before.similarity => said.text(format!(
-                "; before the last shift it was {}, so it has not fallen. ",
-                ratio(before.similarity.into())
-            )),
-            Some(before) => said.text(format!(
-                "; before the last shift it was {}, so it has fallen: the weights were linearised there. ",
-                ratio(before.similarity.into())
-            )),
-            None => said.text(". "),
-        };
-        said.text(
-            "A pixel weighs √(q/p) of its bin: above 1 where its colour is rarer in the ellipse than in the model, 0 where the model \
-             lacks its colour.",
-        )
-    }
-
-    fn shifted(&self, shift: &Shift, said: Sentence) -> Sentence {
-        let Some(to) = shift.to else {
-            return said.text(
-                "All weights are 0: none of the pixels of the ellipse has a colour of the model, so there is no shift.",
-            );
-        };
-        let said = said
-            .text("The weighted mean of the pixels lies at ")
-            .ink(Role::Best, format!("{} px", place(to)))
-            .text(format!(": a shift of {} px, ", px(shift.length().into())));
-        let epsilon = px(self.epsilon.into());
-        if shift.length() < self.epsilon {
-            said.text(format!("shorter than ε = {epsilon} px. Converged after {}.", counted(shift.iteration, "shift")))
+    fn shifted(&self, step: Step, shift: &Shift) -> Step {
+        let Some(to) = shift.to else { return step.say(case::NO_WEIGHT) };
+        let step = step.put(value::MEAN, to).put(value::SHIFT_LENGTH, shift.length());
+        let step = step.put(value::EPSILON, self.epsilon).put(value::ITERATIONS, self.iterations).say(case::SHIFTED);
+        let step = step.say(if shift.length() < self.epsilon {
+            case::CONVERGED
         } else if shift.iteration == self.iterations {
-            said.text(format!(
-                "not shorter than ε = {epsilon} px, but the limit of {} shifts is reached.",
-                self.iterations
-            ))
+            case::EXHAUSTED
         } else {
-            said.text(format!(
-                "not shorter than ε = {epsilon} px, so the ellipse moves there and the weights are computed anew."
-            ))
-        }
+            case::NOT_CONVERGED
+        });
+        step.formula(r"\mathbf{y} = \frac{\sum_i w_i \, \mathbf{x}_i}{\sum_i w_i} = {mean:unit}")
     }
 }
 
-fn weighted([own, around, weighted]: &[Histogram; 3], said: Sentence) -> Sentence {
-    let shared: f32 = own
-        .support
-        .iter()
-        .map(|bin| usize::from(*bin))
-        .filter(|bin| around.shares[*bin] > 0.0)
-        .map(|bin| own.shares[bin])
-        .sum();
-    let left: f32 = own
-        .support
-        .iter()
-        .map(|bin| usize::from(*bin))
-        .filter(|bin| around.shares[*bin] > 0.0)
-        .map(|bin| weighted.shares[bin])
-        .sum();
-    said.text("The surroundings have colours of the object with a share of ")
-        .ink(Role::Rejected, ratio(shared.into()))
-        .text(" in its histogram. Each such bin is multiplied by the ratio of the smallest share of the surroundings to its own there, so that these colours keep a share of ")
-        .ink(Role::Reference, ratio(left.into()))
-        .text(": a background-weighted histogram of the model alone.")
-}
-
-fn chosen(trials: &[Trial; 3], best: usize, region: Region, said: Sentence) -> Sentence {
-    let [now, smaller, larger] = trials.each_ref().map(|trial| ratio(trial.similarity.into()));
-    let said = said
-        .text(format!("ρ is {now} with the present size, {smaller} with the smaller and {larger} with the larger one. The best is the "))
-        .ink(Role::Best, SIZES[best]);
-    let size = format!("{}×{} px", px(region.size[0].into()), px(region.size[1].into()));
-    let said = match best {
-        0 => said.text(format!(", so the size stays {size}")),
-        _ => said.text(format!(", and the size moves {} of the way to it: {size}", fixed(SCALE_RATE.into(), 1))),
-    };
-    if region.size.iter().any(|side| *side <= LEAST_PX) {
-        said.text(", the smallest that is allowed.")
-    } else {
-        said.text(".")
-    }
+fn put_shift(step: Step, shift: &Shift) -> Step {
+    let step = step.fact(value::SIZE, SIZES[shift.trial]).fact(value::ITERATION, shift.iteration);
+    step.fact(value::COEFFICIENT, shift.similarity).fact(value::WEIGHTS, shift.weights)
 }
 
 /// The Bhattacharyya coefficient at the end of a frame.
@@ -286,42 +168,28 @@ fn last<'a>(at: &At<'a, MeanShift>, trial: usize, iteration: usize) -> Option<&'
     })
 }
 
-/// ρ = Σ √(p_u q_u).
-fn coefficient() -> Math {
-    let of = |name| Math::indexed(Math::Var(name), Math::Var("u"));
-    Math::Row(vec![
-        Math::Var("ρ"),
-        Math::text(" = "),
-        Math::Sum(Box::new(Math::Var("u"))),
-        Math::root(Math::Row(vec![of("p"), Math::text(" "), of("q")])),
-    ])
-}
-
-fn of_shift(at: &At<'_, MeanShift>, frame: &Frame, shift: &Shift, is_shift: bool) -> Vec<Readout> {
-    let Some(model) = at.model.map(|model| &model.histogram) else { return Vec::new() };
+/// Adds the charts of a shift.
+fn charted(at: &At<'_, MeanShift>, (frame, shift, is_shift): (&Frame, &Shift, bool), step: Step) -> Step {
+    let Some(model) = at.model.map(|model| &model.histogram) else { return step };
     let mut search = Search::new(model, frame);
     search.weigh(shift.from);
     let candidate = Histogram::new(model.binning, search.candidate.clone());
     let lines = [("model q", Role::Reference, &**model), ("candidate p", Role::Candidate, &candidate)];
-    let mut readouts = vec![Readout::Equation(if is_shift { mean_of(shift) } else { weight_of(shift) })];
-    readouts.push(Readout::Landscape(hill(at, (search, shift), is_shift)));
-    readouts.push(Readout::Series(histograms(model, &lines)));
+    let step = step.show(Readout::Landscape(hill(at, (search, shift), is_shift))).show(histograms(model, &lines));
     let values: Vec<_> = (1..=shift.iteration)
         .filter_map(|i| last(at, shift.trial, i).or((i == shift.iteration).then_some(shift)))
         .map(|shift| [shift.iteration as f32, shift.similarity])
         .collect();
-    if values.len() > 1 {
-        readouts.push(Readout::Series(Series {
-            title: "Bhattacharyya coefficient of the shifts",
-            x_label: "shift",
-            y_label: "ρ",
-            x_max: values.len(),
-            lines: vec![("ρ", Role::Candidate, values)],
-            fits_values: true,
-            ..Series::default()
-        }));
-    }
-    readouts
+    let series = Series {
+        title: "Bhattacharyya coefficient of the shifts",
+        x_label: "shift",
+        y_label: "ρ",
+        x_max: values.len(),
+        lines: vec![("ρ", Role::Candidate, values)],
+        fits_values: true,
+        ..Series::default()
+    };
+    step.show_all((series.x_max > 1).then_some(Readout::Series(series)))
 }
 
 /// The Bhattacharyya coefficient of ellipses of one size around the first place of a trial, with the shifts on it.
@@ -341,43 +209,14 @@ fn hill(at: &At<'_, MeanShift>, (mut search, shift): (Search<'_>, &Shift), is_sh
     Surface { is_similarity: true, ..surface.with_trail(places) }
 }
 
-/// The weight of a pixel, and the coefficient.
-fn weight_of(shift: &Shift) -> Vec<Math> {
-    let of = |name| Math::indexed(Math::Var(name), Math::Var("u"));
-    let weight = Math::Row(vec![
-        Math::indexed(Math::Var("w"), Math::Var("i")),
-        Math::text(" = "),
-        Math::root(Math::over(of("q"), of("p"))),
-    ]);
-    let Math::Row(mut parts) = coefficient() else { return vec![weight] };
-    parts.extend([Math::text(" = "), Math::ink(Role::Candidate, ratio(shift.similarity.into()))]);
-    vec![weight, Math::Row(parts)]
-}
-
-/// The weighted mean with its numbers.
-fn mean_of(shift: &Shift) -> Vec<Math> {
-    let Some(to) = shift.to else { return Vec::new() };
-    let of = |name| Math::indexed(Math::Var(name), Math::Var("i"));
-    let sum = |parts| Math::Row(vec![Math::Sum(Box::new(Math::Var("i"))), Math::Row(parts)]);
-    vec![Math::Row(vec![
-        Math::Bold("y"),
-        Math::text(" = "),
-        Math::over(
-            sum(vec![of("w"), Math::text(" "), Math::indexed(Math::Bold("x"), Math::Var("i"))]),
-            sum(vec![of("w")]),
-        ),
-        Math::text(" = "),
-        Math::ink(Role::Best, format!("{} px", place(to))),
-    ])]
-}
-
 /// Histograms over each other, by the largest bins of the first.
-fn histograms(order: &Histogram, all: &[(&'static str, Role, &Histogram)]) -> Series {
+fn histograms(order: &Histogram, all: &[(&'static str, Role, &Histogram)]) -> Readout {
     let bins = order.largest(plots::BARS);
     let line = |(name, role, of): &(&'static str, Role, &Histogram)| {
         (*name, *role, plots::bars(bins.iter().map(|bin| of.shares[*bin])))
     };
-    plots::histograms("Colour histograms", ["largest bins of the model", "share"], all.iter().map(line).collect())
+    let labels = ["largest bins of the model", "share"];
+    Readout::Series(plots::histograms("Colour histograms", labels, all.iter().map(line).collect()))
 }
 
 /// The weights of the pixels of an ellipse as a heat map, with its first pixel.
