@@ -209,7 +209,7 @@ fn the_first_answer_of_a_run_needs_thought() {
         let event = walk.info().granularities.len() - 1;
         let questions = estimator_questions(id);
         let question = questions.iter().find(|of| of.id == question).expect("it is declared");
-        let plain = Question { unless: "", obvious: &[], in_first_unit: true, ..*question };
+        let plain = Question { obvious: &[], in_first_unit: true, ..*question };
         let mut needless = 0;
         while walk.cursor().unit == 0 {
             let (step, scene) = (walk.step(None), Scene::default());

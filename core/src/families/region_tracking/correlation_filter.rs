@@ -17,7 +17,7 @@ use crate::geometry::{Border, Gray, Grid};
 use crate::methods::region::{LOST, RegionModel, Settings, Similarity, WHERE};
 use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Chart, Name, Question, Reply, Step};
+use crate::scene::{Chart, Name, Question, Reply, Sentence, Step};
 use crate::{params, pseudocode};
 
 use appearance::{Appearance, Evidence};
@@ -394,12 +394,12 @@ impl RegionModel for CorrelationFilter {
         &self.settings
     }
 
-    fn refusal(&self, frame: &Frame, region: Region) -> Option<String> {
+    fn refuse(&self, frame: &Frame, region: Region) -> Option<Sentence> {
         let size = self.window_of(region);
         let deviation = deviation(&levels(frame.luma(), origin(region.center, size), size));
         let step = Step::at(line::CHOOSE).put(value::WIDTH, size.0).put(value::HEIGHT, size.1);
         let step = step.put(value::DEVIATION, deviation).put(value::LEAST_DEVIATION, LEAST_DEVIATION);
-        (deviation < LEAST_DEVIATION).then(|| step.say(case::REFUSED).sentence.plain())
+        (deviation < LEAST_DEVIATION).then(|| step.say(case::REFUSED).sentence)
     }
 
     fn begin(&self, frame: &Arc<Frame>, region: Region, observer: &mut impl Observer<Event>) -> (Model, f32) {

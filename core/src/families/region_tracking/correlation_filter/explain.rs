@@ -4,77 +4,14 @@ use super::perturbation::PERTURBED_SCALE;
 use super::vocabulary::{case, value};
 use super::{CorrelationFilter, Event, Evidence, Model, Response};
 use crate::geometry::Grid;
-use crate::methods::region::{At, Ending, Explained, Outcome, RegionModel};
-use crate::scene::{
-    Arrow, BetweenPixels, Fact, Footing, Number, Picture, Readout, Role, Scene, Sentence, Shape, Step, Surface, Tile,
-};
+use crate::methods::region::{At, Ending, Explained, Outcome};
+use crate::scene::{Arrow, BetweenPixels, Footing, Number, Picture, Readout, Role, Scene, Shape, Step, Surface, Tile};
 
 /// The response is drawn as a surface up to this displacement, in px.
 const REACH_PX: i32 = 24;
 
 impl Explained for CorrelationFilter {
-    // All trackers of a region still explain themselves in texts.
-
-    fn sentence(&self, at: &At<'_, Self>) -> Sentence {
-        self.explained(at).sentence
-    }
-
-    fn facts(&self, at: &At<'_, Self>) -> Vec<Fact> {
-        self.explained(at).facts().to_vec()
-    }
-
-    fn readouts(&self, at: &At<'_, Self>) -> Vec<Readout> {
-        self.explained(at).readouts.into_iter().filter(|readout| !matches!(readout, Readout::Facts(_))).collect()
-    }
-
-    fn loss(&self, at: &At<'_, Self>) -> Option<String> {
-        let told = self.tell_loss(at, Step::at(self.line(at.event))).sentence.plain();
-        told.strip_prefix(": ").map(str::to_owned)
-    }
-
-    fn caveat(&self, at: &At<'_, Self>) -> Option<String> {
-        Some(self.tell_caveat(at, Step::at(self.line(at.event))).sentence.plain()).filter(|told| !told.is_empty())
-    }
-
-    fn advice(&self, ending: Ending, at: &At<'_, Self>) -> String {
-        self.advise(ending, Step::at(self.line(at.event))).sentence.plain()
-    }
-
-    fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
-        let response = match at.event {
-            Event::Learned(patch, model) => {
-                window(scene, model.origin(at.region.center), patch.size());
-                return;
-            }
-            Event::Cut(response) => {
-                window(scene, response.origin, response.patch.size());
-                return;
-            }
-            Event::Responded(response)
-            | Event::Found(response)
-            | Event::Judged(response, _)
-            | Event::Updated(response, _) => response,
-        };
-        let (width, height) = response.values.size();
-        let origin = response.origin.map(|c| c as f32);
-        scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin, values: response.values.clone() });
-        scene.heat = Some("response g");
-        window(scene, response.origin, (width, height));
-        if matches!(at.event, Event::Responded(_)) {
-            return;
-        }
-        let from = [origin[0] + (width / 2) as f32, origin[1] + (height / 2) as f32];
-        let to = [0, 1].map(|i| from[i] + response.displacement[i]);
-        scene.mark(Picture::CURRENT, Role::Predicted, Shape::Arrows(vec![Arrow { from, to }]));
-        scene.legend(Role::Predicted, "displacement of the peak");
-        scene.mark(Picture::CURRENT, Role::Best, Shape::Points(vec![to]));
-        scene.legend(Role::Best, "peak");
-    }
-}
-
-impl CorrelationFilter {
-    fn explained(&self, at: &At<'_, Self>) -> Step {
-        let step = Step::at(self.line(at.event));
+    fn step(&self, at: &At<'_, Self>, step: Step) -> Step {
         let filter = || at.model.map(filter_tile);
         match at.event {
             Event::Learned(patch, model) => {
@@ -111,20 +48,35 @@ impl CorrelationFilter {
         }
     }
 
-    fn judged(&self, step: Step, response: &Response, evidence: Option<&Evidence>) -> Step {
-        let [mean, deviation] = response.sidelobes;
-        let step = step.put(value::MEAN, mean).put(value::SPREAD, deviation).put(value::MIN_PSR, self.min_psr);
-        let step = step.say(case::JUDGED);
-        let Some(evidence) = evidence else { return step.say(case::LOW_PSR) };
-        let [object, surroundings] = evidence.coefficients;
-        let step = put_zncc(step, evidence).put(value::SURROUNDINGS, surroundings);
-        let step = step.fact_as(value::OBJECT.is(object), case::COEFFICIENTS).say(case::HIGH_PSR);
-        let pattern = if evidence.zncc.is_some() { case::ZNCC } else { case::UNIFORM };
-        match (self.is_gone(evidence), evidence.is_unlike()) {
-            (true, _) => step.say(case::BUT).say(pattern).say(case::LIKE_SURROUNDINGS),
-            (false, true) => step.say(case::ALTHOUGH).say(pattern).say(case::NOT_GONE),
-            (false, false) => step.say(case::ACCEPTED),
+    fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
+        let response = match at.event {
+            Event::Learned(patch, model) => {
+                window(scene, model.origin(at.region.center), patch.size());
+                return;
+            }
+            Event::Cut(response) => {
+                window(scene, response.origin, response.patch.size());
+                return;
+            }
+            Event::Responded(response)
+            | Event::Found(response)
+            | Event::Judged(response, _)
+            | Event::Updated(response, _) => response,
+        };
+        let (width, height) = response.values.size();
+        let origin = response.origin.map(|c| c as f32);
+        scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin, values: response.values.clone() });
+        scene.heat = Some("response g");
+        window(scene, response.origin, (width, height));
+        if matches!(at.event, Event::Responded(_)) {
+            return;
         }
+        let from = [origin[0] + (width / 2) as f32, origin[1] + (height / 2) as f32];
+        let to = [0, 1].map(|i| from[i] + response.displacement[i]);
+        scene.mark(Picture::CURRENT, Role::Predicted, Shape::Arrows(vec![Arrow { from, to }]));
+        scene.legend(Role::Predicted, "displacement of the peak");
+        scene.mark(Picture::CURRENT, Role::Best, Shape::Points(vec![to]));
+        scene.legend(Role::Best, "peak");
     }
 
     fn tell_loss(&self, at: &At<'_, Self>, step: Step) -> Step {
@@ -141,7 +93,7 @@ impl CorrelationFilter {
         }
     }
 
-    fn advise(&self, ending: Ending, step: Step) -> Step {
+    fn advise(&self, ending: Ending, _at: &At<'_, Self>, step: Step) -> Step {
         step.put(value::HIDDEN, ending.hidden).say(match ending.outcome {
             Outcome::Followed => case::FOLLOWED,
             Outcome::Regained => case::REGAINED,
@@ -150,6 +102,24 @@ impl CorrelationFilter {
             Outcome::Lost if ending.hidden > 0 => case::HIDDEN,
             Outcome::Lost => case::LOST,
         })
+    }
+}
+
+impl CorrelationFilter {
+    fn judged(&self, step: Step, response: &Response, evidence: Option<&Evidence>) -> Step {
+        let [mean, deviation] = response.sidelobes;
+        let step = step.put(value::MEAN, mean).put(value::SPREAD, deviation).put(value::MIN_PSR, self.min_psr);
+        let step = step.say(case::JUDGED);
+        let Some(evidence) = evidence else { return step.say(case::LOW_PSR) };
+        let [object, surroundings] = evidence.coefficients;
+        let step = put_zncc(step, evidence).put(value::SURROUNDINGS, surroundings);
+        let step = step.fact_as(value::OBJECT.is(object), case::COEFFICIENTS).say(case::HIGH_PSR);
+        let pattern = if evidence.zncc.is_some() { case::ZNCC } else { case::UNIFORM };
+        match (self.is_gone(evidence), evidence.is_unlike()) {
+            (true, _) => step.say(case::BUT).say(pattern).say(case::LIKE_SURROUNDINGS),
+            (false, true) => step.say(case::ALTHOUGH).say(pattern).say(case::NOT_GONE),
+            (false, false) => step.say(case::ACCEPTED),
+        }
     }
 }
 

@@ -6,9 +6,9 @@ use super::vocabulary::{case, value};
 use super::wheel::wheel;
 use super::{Event, ParticleFilter, Resampled, Resampling, Weighed};
 use crate::methods::kalman;
-use crate::methods::region::{At, Ending, Explained, Outcome, RegionModel, plots};
+use crate::methods::region::{At, Ending, Explained, Outcome, plots};
 use crate::products::Region;
-use crate::scene::{Arrow, Fact, Picture, Readout, Role, Scene, Sentence, Shape, Step};
+use crate::scene::{Arrow, Picture, Readout, Role, Scene, Shape, Step};
 
 /// The most particles that are drawn with their weights.
 pub(super) const CIRCLES: usize = 400;
@@ -21,27 +21,10 @@ const CONFIDENCE: f64 = 0.95;
 const POOR: usize = 10;
 
 impl Explained for ParticleFilter {
-    // All trackers of a region still explain themselves in texts.
-
-    fn sentence(&self, at: &At<'_, Self>) -> Sentence {
-        self.explained(at).sentence
-    }
-
-    fn facts(&self, at: &At<'_, Self>) -> Vec<Fact> {
-        self.explained(at).facts().to_vec()
-    }
-
-    fn readouts(&self, at: &At<'_, Self>) -> Vec<Readout> {
-        self.explained(at).readouts.into_iter().filter(|readout| !matches!(readout, Readout::Facts(_))).collect()
-    }
-
-    fn loss(&self, at: &At<'_, Self>) -> Option<String> {
-        let told = self.tell_loss(at, Step::at(self.line(at.event))).sentence.plain();
-        told.strip_prefix(": ").map(str::to_owned)
-    }
-
-    fn advice(&self, ending: Ending, at: &At<'_, Self>) -> String {
-        self.advise(ending, at, Step::at(self.line(at.event))).sentence.plain()
+    fn step(&self, at: &At<'_, Self>, step: Step) -> Step {
+        let step = self.told(at, step);
+        let density = particles(at.event).map(|particles| Readout::Landscape(density(particles)));
+        step.show_all(self.sizes(at)).show_all(density)
     }
 
     fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
@@ -69,15 +52,25 @@ impl Explained for ParticleFilter {
             Event::Resampled(resampled) => dots(scene, (Role::Best, "particles drawn"), &resampled.after),
         }
     }
+
+    fn tell_loss(&self, at: &At<'_, Self>, step: Step) -> Step {
+        step.say_if(are_outside(at), case::WEIGHTLESS)
+    }
+
+    fn advise(&self, ending: Ending, at: &At<'_, Self>, step: Step) -> Step {
+        step.put(value::HIDDEN, ending.hidden).say(match ending.outcome {
+            _ if are_outside(at) => case::ALL_OUTSIDE,
+            Outcome::Followed if ending.hidden > 0 => case::FOLLOWED_HIDDEN,
+            Outcome::Followed => case::FOLLOWED,
+            Outcome::Regained => case::REGAINED,
+            Outcome::Grown | Outcome::Shrunk => case::RESIZED,
+            Outcome::Beside | Outcome::Unknown => case::BESIDE,
+            Outcome::Lost => case::LOST,
+        })
+    }
 }
 
 impl ParticleFilter {
-    fn explained(&self, at: &At<'_, Self>) -> Step {
-        let step = self.told(at, Step::at(self.line(at.event)));
-        let density = particles(at.event).map(|particles| Readout::Landscape(density(particles)));
-        step.show_all(self.sizes(at)).show_all(density)
-    }
-
     fn told(&self, at: &At<'_, Self>, step: Step) -> Step {
         match at.event {
             Event::Modelled(histogram) => {
@@ -146,22 +139,6 @@ impl ParticleFilter {
         let step = step.say(case::SURVIVORS).say(if is_poor { case::IMPOVERISHED } else { case::EQUAL_WEIGHTS });
         let step = step.show(Readout::Diagram(wheel(resampled, self.resampling)));
         step.show(Readout::Series(cumulative(resampled))).show(Readout::Series(weights(before, Some(copies))))
-    }
-
-    fn tell_loss(&self, at: &At<'_, Self>, step: Step) -> Step {
-        step.say_if(are_outside(at), case::WEIGHTLESS)
-    }
-
-    fn advise(&self, ending: Ending, at: &At<'_, Self>, step: Step) -> Step {
-        step.put(value::HIDDEN, ending.hidden).say(match ending.outcome {
-            _ if are_outside(at) => case::ALL_OUTSIDE,
-            Outcome::Followed if ending.hidden > 0 => case::FOLLOWED_HIDDEN,
-            Outcome::Followed => case::FOLLOWED,
-            Outcome::Regained => case::REGAINED,
-            Outcome::Grown | Outcome::Shrunk => case::RESIZED,
-            Outcome::Beside | Outcome::Unknown => case::BESIDE,
-            Outcome::Lost => case::LOST,
-        })
     }
 }
 

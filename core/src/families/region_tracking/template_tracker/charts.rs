@@ -13,7 +13,7 @@ const REACH_PX: f32 = 6.0;
 
 impl TemplateTracker {
     /// The RMS difference where the warp of an iteration is shifted, with the path of the iterations of its level.
-    pub fn valley(&self, at: &At<'_, Self>, iteration: &Iteration) -> Surface {
+    pub(super) fn valley(&self, at: &At<'_, Self>, iteration: &Iteration) -> Surface {
         let (level, image) = (&iteration.template.levels[iteration.level], &iteration.frame[iteration.level]);
         let aligner = level.aligner(self.warp.group());
         let error = |warp: &Matrix3| {
@@ -34,7 +34,7 @@ impl TemplateTracker {
     }
 
     /// The correlation where the warp of an alignment is shifted, with the contour below which the object is lost.
-    pub fn correlations(&self, judged: &Judged) -> Surface {
+    pub(super) fn correlations(&self, judged: &Judged) -> Surface {
         let level = &judged.template.levels[0];
         let (place, each) = (position(&judged.warp), level.pixels.cells().len());
         let correlation = |warp: &Matrix3| level.correlation(&judged.frame[0], warp);
