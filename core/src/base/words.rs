@@ -38,19 +38,6 @@ pub fn further_digits_of_sum(terms: &[f64], decimals: usize) -> usize {
     further_digits(|further| fixed(written(further), decimals) == sum)
 }
 
-/// The terms of a sum that is written with this many decimals, with the further digits that make it true: the first alone, the others
-/// with their sign before them.
-pub fn summands<const N: usize>(terms: [f64; N], decimals: usize) -> [String; N] {
-    let further = further_digits_of_sum(&terms, decimals);
-    std::array::from_fn(|i| match (i, fixed(terms[i], decimals + further)) {
-        (0, term) => term,
-        (_, term) => match term.strip_prefix('−') {
-            Some(size) => format!(" − {size}"),
-            None => format!(" + {term}"),
-        },
-    })
-}
-
 /// A position or displacement in px: two decimals, none where it is whole.
 pub fn px(v: f32) -> String {
     fixed(v.into(), if v.fract() == 0.0 { 0 } else { 2 })
@@ -156,12 +143,10 @@ pub fn heading_deg([u, v]: [f64; 2]) -> f64 {
     (v + 0.0).atan2(u).to_degrees()
 }
 
-/// The direction of a velocity as text: `45°` is right and down, as seen on the picture.
-pub fn heading([u, v]: [f64; 2]) -> String {
-    let degrees = heading_deg([u, v]).round();
-    // No negative zero, and one value for left.
-    let degrees = if degrees == -180.0 { 180.0 } else { degrees + 0.0 };
-    format!("{degrees}°").replace('-', "−")
+/// The same in whole degrees; to the left it is 180.
+pub fn whole_heading_deg(velocity: [f64; 2]) -> f64 {
+    let degrees = heading_deg(velocity).round();
+    if degrees == -180.0 { 180.0 } else { degrees + 0.0 }
 }
 
 /// A position in px as text, to a hundredth of a px.
@@ -243,21 +228,17 @@ mod tests {
         assert_eq!([fixed(12_345.0, 0), fixed(-0.00056, 3), fixed(0.0098, 3)], ["12\u{202f}345", "−0.001", "0.010"]);
         assert_eq!([fixed(f64::NEG_INFINITY, 2), fixed(f64::NAN, 2)], ["−∞", "undefined"]);
         assert_eq!([fine(1403.247), fine(-0.001), fine(-12.0)], ["1403.25", "0.00", "−12.00"]);
-        let headings = [[2.0, 0.0], [0.0, -3.0], [-1.0, 0.0], [0.0, 4.0], [-9.0, 0.01]].map(heading);
-        assert_eq!(headings, ["0°", "−90°", "180°", "90°", "180°"]);
+        let headings = [[2.0, 0.0], [0.0, -3.0], [-1.0, -0.0], [0.0, 4.0], [-9.0, -0.01]].map(whole_heading_deg);
+        assert_eq!(headings, [0.0, -90.0, 180.0, 90.0, 180.0]);
         assert_eq!(place([126.737, -3.0]), "(126.74,\u{a0}−3.00)");
         assert_eq!([0.9999, 0.99, 0.5].map(percent), ["99.99 %", "99 %", "50 %"]);
     }
 
     #[test]
     fn a_formula_has_the_digits_that_make_it_true() {
-        assert_eq!(summands([54.28, -7.16], 2), ["54.28", " − 7.16"]);
-        assert_eq!(
-            summands([54.2834, 7.1634], 2),
-            ["54.283", " + 7.163"],
-            "54.28 + 7.16 = 61.44, but the sum is 61.4468"
-        );
-        assert_eq!(summands([-0.2, 0.0, f64::NAN], 1), ["−0.2", " + 0.0", " + undefined"]);
+        assert_eq!(further_digits_of_sum(&[54.28, -7.16], 2), 0);
+        assert_eq!(further_digits_of_sum(&[54.2834, 7.1634], 2), 1, "54.28 + 7.16 = 61.44, but the sum is 61.4468");
+        assert_eq!(further_digits_of_sum(&[-0.2, f64::NAN], 1), 0);
         assert_eq!(further_digits(|_| false), 4);
         assert_eq!([rounded(-0.126, 2), rounded(12_345.678, 1)], [-0.13, 12_345.7]);
         assert_eq!([with_power_to(2.44e-7, 2), with_power(2.44e-7)], ["2.44·10⁻⁷", "2.4·10⁻⁷"]);

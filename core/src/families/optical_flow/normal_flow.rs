@@ -10,6 +10,7 @@
 
 use std::sync::Arc;
 
+use crate::base::words::rounded;
 use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::{Clip, Flow};
 use crate::geometry::Grid;
@@ -269,7 +270,7 @@ impl NormalFlow {
             let is_below = gradient < f64::from(self.min_gradient);
             return explain::constraint(step.say(if is_below { case::BELOW } else { case::ROUNDING }));
         }
-        let is_steady = numbers::gray(change as f32).trim_start_matches('−') == "0.00";
+        let is_steady = rounded(change, numbers::GRAY_DECIMALS) == 0.0;
         let changes = if change > 0.0 { case::BRIGHTER } else { case::DARKER };
         let step = step.put(value::CHANGE, change.abs()).fact(value::NORMAL_FLOW, found);
         let step = step.say(if is_steady { case::STEADY } else { changes }).say(case::FLOW);

@@ -2,7 +2,7 @@
 
 use super::chi_square;
 use super::vocabulary::{case, value};
-use crate::scene::{Name, Step};
+use crate::scene::Step;
 
 /// The mean NIS of measurements and its two-sided 95 % band.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,10 +39,5 @@ impl ConsistencyTest {
             _ if is_biased => case::NIS_WITHIN,
             _ => case::CONSISTENT,
         })
-    }
-
-    /// The same in words.
-    pub fn verdict(&self, is_biased: bool) -> String {
-        format!(" {}", self.tell(Step::at(Name::new(b"verdict")), is_biased).sentence.plain())
     }
 }

@@ -11,7 +11,7 @@ use super::gating::MOST_NEAR;
 use super::lifecycle::Rules;
 use super::tracker_run::Conclusion;
 use super::vocabulary::{case, value};
-use crate::base::words::{heading_deg, rounded};
+use crate::base::words::{rounded, whole_heading_deg};
 use crate::methods::kalman::Filter;
 use crate::products::{
     ObjectFrame, TrackStatus,
@@ -48,9 +48,7 @@ pub(crate) fn crowded(step: Step, tracks: usize) -> Step {
 
 /// Adds the velocity among the facts.
 pub(crate) fn moving(step: Step, velocity: [f64; 2]) -> Step {
-    let heading = heading_deg(velocity);
-    // One value for left.
-    let step = step.put(value::HEADING, if heading.round() <= -180.0 { 180.0 } else { heading });
+    let step = step.put(value::HEADING, whole_heading_deg(velocity));
     step.fact_as(value::SPEED.is(velocity[0].hypot(velocity[1])), case::VELOCITY)
 }
 

@@ -1,9 +1,9 @@
 //! Plots of trackers of a region: histograms, curves, and marks that several of them draw.
 
 use super::color::Histogram;
-use super::vocabulary::{case, value};
+use super::vocabulary::value;
 use crate::products::Region;
-use crate::scene::{Picture, Role, Scene, Sentence, Series, Shape, Step};
+use crate::scene::{Picture, Role, Scene, Series, Shape, Step};
 
 /// The most bars of a histogram: more cannot be told apart.
 pub(crate) const BARS: usize = 32;
@@ -47,9 +47,4 @@ pub(crate) fn ellipse(scene: &mut Scene, (role, meaning): (Role, &'static str), 
 pub(crate) fn put_bins(step: Step, of: &Histogram) -> Step {
     let step = step.put(value::BINNING, of.binning.name()).put(value::FILLED, of.support.len());
     step.put(value::BINS, of.binning.count())
-}
-
-/// [`case::FLAT`], of a tracker whose steps are not yet data.
-pub(crate) fn warned(said: Sentence, model: &Histogram) -> Sentence {
-    if model.is_flat() { said.say(case::FLAT, &[]) } else { said }
 }

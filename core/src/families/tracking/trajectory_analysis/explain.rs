@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{Event, State, TrajectoryAnalysis, line, near};
-use crate::base::words::heading_deg;
+use crate::base::words::{heading_deg, whole_heading_deg};
 use crate::products::{
     ObjectFrame, TrackStatus,
     objects::trajectory::{TrackPoint, Trajectory},
@@ -215,12 +215,9 @@ impl TrajectoryAnalysis {
         let step = step.fact(value::TRACK, trajectory.id);
         let step = match trajectory.sightings.last() {
             Some(TrackPoint { velocity: Some([u, v]), step: Some(last), .. }) => {
-                let degrees = heading_deg([*u, *v]);
-                // Left is 180°, never −180°.
-                let degrees = if degrees <= -179.5 { degrees + 360.0 } else { degrees };
                 let step = step.put(value::VELOCITY, [*u, *v]).put(value::V_X, *u).put(value::V_Y, *v);
                 let step = step.fact(value::SPEED, u.hypot(*v)).fact(value::LAST_SPEED, last[0].hypot(last[1]));
-                let step = step.fact_as(value::HEADING.is(degrees), case::HEADING);
+                let step = step.fact_as(value::HEADING.is(whole_heading_deg([*u, *v])), case::HEADING);
                 let step = step
                     .formula(r"\mathbf{v} = \frac{\sum_i (t_i - \bar{t}) (\mathbf{x}_i - \bar{\mathbf{x}})}{\sum_i (t_i - \bar{t})^2} = {velocity:unit}")
                     .formula(r"|\mathbf{v}| = \sqrt{v_x^2 + v_y^2} = \sqrt{{v_x}^2 + {v_y}^2} = {speed:unit}");
