@@ -357,9 +357,7 @@ impl Estimator for PhaseCorrelation {
             "Is the peak distinct?",
             &[
                 Reply::told(line::COMPARE_SECOND, case::IS_DISTINCT, "Yes"),
-                Reply::told(line::COMPARE_SECOND, case::ALONE, "Yes"),
                 Reply::told(line::COMPARE_SECOND, case::AMBIGUOUS, "No: another is nearly as high"),
-                Reply::told(line::COMPARE_SECOND, case::REPEATS, "No: another is nearly as high"),
             ],
         ),
         Question::value("peak", "How high is the highest peak?", line::TAKE_PEAK, value::PEAK_HEIGHT),

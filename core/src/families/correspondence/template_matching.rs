@@ -459,12 +459,7 @@ impl Estimator for TemplateMatching {
         Question::choice(
             "best",
             "Is the score of the next place the best so far?",
-            &[
-                Reply::told(line::SCORE, case::NOT_ABOVE, "No"),
-                Reply::told(line::SCORE, case::NOT_BELOW, "No"),
-                Reply::told(line::SCORE, case::ABOVE, "Yes"),
-                Reply::told(line::SCORE, case::BELOW, "Yes"),
-            ],
+            &[Reply::told(line::SCORE, case::NOT_BEST, "No"), Reply::told(line::SCORE, case::NEW_BEST, "Yes")],
         ),
         Question::choice(
             "lost",

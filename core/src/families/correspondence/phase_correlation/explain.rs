@@ -112,9 +112,11 @@ fn compared(step: Step, state: &State) -> Step {
     let step = step.put(value::DISTINCT, DISTINCT).say(case::SECOND);
     match (&state.doubt, ratio(state)) {
         (Some(doubt), _) => doubted(step, doubt),
-        (None, Some(ratio)) if ratio < DISTINCT => step.say(case::AMBIGUOUS),
-        (None, Some(_)) => step.say(case::IS_DISTINCT),
-        (None, None) => step.say(case::ALONE),
+        (None, Some(ratio)) if ratio < DISTINCT => {
+            step.say(case::RATIO_BELOW).say(case::AMBIGUOUS).say(case::POSSIBLE_CAUSES)
+        }
+        (None, Some(_)) => step.say(case::RATIO_ABOVE).say(case::IS_DISTINCT),
+        (None, None) => step.say(case::NOT_POSITIVE).say(case::IS_DISTINCT),
     }
 }
 
@@ -132,7 +134,9 @@ fn doubted(step: Step, doubt: &Doubt) -> Step {
                 None => step,
             }
         }
-        Doubt::Repeats { other } => step.put(value::OTHER, other).say(case::REPEATS),
+        Doubt::Repeats { other } => {
+            step.put(value::OTHER, other).say(case::REPEATS).say(case::AMBIGUOUS).say(case::END)
+        }
     }
 }
 

@@ -116,17 +116,17 @@ impl TemplateMatching {
     fn compared(&self, step: Step, shown: Option<&Shown>) -> Step {
         let Some(Shown { pair, before, here, done, .. }) = shown else { return step };
         let is_new = shown.is_some_and(|shown| shown.best == shown.place);
-        let step = match before.filter(|_| is_new) {
-            Some(before) => step.put_value(self.score_of(value::SCORE_BEFORE, pair.costs[before])),
-            None => step,
+        let is_similarity = self.score.is_similarity();
+        let step = match (before, is_new) {
+            (None, _) => step.say(case::FIRST),
+            (Some(before), true) => step
+                .put_value(self.score_of(value::SCORE_BEFORE, pair.costs[*before]))
+                .say(if is_similarity { case::ABOVE } else { case::BELOW })
+                .say(case::NEW_BEST),
+            (Some(_), false) => {
+                step.say(if is_similarity { case::NOT_ABOVE } else { case::NOT_BELOW }).say(case::NOT_BEST)
+            }
         };
-        let step = step.say(match (is_new, self.score.is_similarity()) {
-            _ if before.is_none() => case::FIRST,
-            (true, true) => case::ABOVE,
-            (true, false) => case::BELOW,
-            (false, true) => case::NOT_ABOVE,
-            (false, false) => case::NOT_BELOW,
-        });
         let (columns, rows) = pair.costs.size();
         let step = step.put(value::ROW, done / columns + 1).put(value::ROWS, rows);
         self.score_formula(step.say_if(*here == columns, case::ROW_ENDS), pair, (here - 1, done / columns))

@@ -13,11 +13,7 @@ pub(super) const QUESTIONS: &[Question] = &[
     Question::choice(
         "better",
         "Is the next hypothesis the best so far?",
-        &[
-            Reply::told(line::COUNT, case::NOT_MORE_INLIERS, "No: discarded"),
-            Reply::told(line::COUNT, case::NOT_LOWER_COST, "No: discarded"),
-            Reply::at(line::COUNT, "Yes"),
-        ],
+        &[Reply::told(line::COUNT, case::DISCARDED, "No: discarded"), Reply::at(line::COUNT, "Yes")],
     )
     .unless_told(&[case::FIRST]),
     Question::value(

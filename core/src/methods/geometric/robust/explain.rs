@@ -92,13 +92,14 @@ impl<M: RobustModel> Robust<M> {
         let step = step.put_value(value::INLIERS.is(score.inliers).inked(Role::Candidate)).say(case::SCORED);
         let is_ransac = self.0.settings().scoring == Scoring::Ransac;
         let step = if is_ransac { step } else { step.put(value::MODEL_COST, score.cost).say(case::COST) };
-        step.say(match (is_ransac, is_best) {
+        let step = step.say(match (is_ransac, is_best) {
             _ if is_first => case::FIRST,
             (true, true) => case::MORE_INLIERS,
             (true, false) => case::NOT_MORE_INLIERS,
             (false, true) => case::LOWER_COST,
             (false, false) => case::NOT_LOWER_COST,
-        })
+        });
+        step.say_if(!is_best, case::DISCARDED)
     }
 
     /// The best model at the end of the events so far: the best hypothesis, or the fit to its inliers.

@@ -85,9 +85,10 @@ crate::cases! { pub(crate) over value;
     COST: ", MSAC cost {model_cost}",
     FIRST: ": the first hypothesis, so the best so far.",
     MORE_INLIERS: ": better than {best_inliers:bare} so far.",
-    NOT_MORE_INLIERS: ": not better than the best, {best_inliers:bare} so far. Discarded.",
+    NOT_MORE_INLIERS: ": not better than the best, {best_inliers:bare} so far.",
     LOWER_COST: ": lower than {best_cost} so far, so better.",
-    NOT_LOWER_COST: ": not below the lowest cost so far, {best_cost}. Discarded.",
+    NOT_LOWER_COST: ": not below the lowest cost so far, {best_cost}.",
+    DISCARDED: "Discarded.",
     LOCAL: "Local optimisation: fitted to its inliers, the model has {inliers} with an RMS distance of {rms}.",
     BEST: "New best hypothesis: with a share of inliers w = {share}, a sample of {sample_size:bare} has no outliers with probability \
            wⁿ = {purity}, so",
