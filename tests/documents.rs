@@ -1,4 +1,4 @@
-//! What the documents refer to exists, and the commands that they show are those of the program.
+//! Links and commands in the documents are valid.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -1,4 +1,4 @@
-//! Steps of every estimator, and what holds for all of them.
+//! Steps of every estimator, and laws that hold for all of them.
 
 use motionscope_core::scene::{Math, Sentence, Shown, latex};
 use motionscope_core::{AnyEstimator, Direction, Move, Scene, Step, estimators, examples};

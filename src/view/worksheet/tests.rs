@@ -15,7 +15,7 @@ use crate::paint::primitive::Line;
 use crate::paint::{Freehand, Placed, Primitive};
 use crate::view::look::Look;
 use crate::view::paper::THEME;
-use crate::view::samples::{InUnit, last, sample, steps};
+use crate::view::samples::{InUnit, last, sample, steps, translated};
 
 motionscope_core::variables! {
     /// A number.
@@ -64,8 +64,13 @@ fn exercise(steps: &[InUnit], questions: &[Question], fill: Fill) -> Exercise {
 /// What is wrong with the exercise of the last of `steps`.
 fn faults(steps: &[InUnit], questions: &[Question]) -> Vec<String> {
     let [left_out, solved] = [Fill::Blank, Fill::Answer].map(|fill| exercise(steps, questions, fill));
-    let (step, _) = &steps[steps.len() - 1];
+    let (step, unit) = &steps[steps.len() - 1];
     let mut faults = Vec::new();
+    let alone = |step: Step| exercise(&[(step, *unit)], questions, Fill::Blank);
+    let (foreign, own) = (alone(translated(step)), alone(step.clone()));
+    if (&foreign.answers, &foreign.decision) != (&own.answers, &own.decision) {
+        faults.push(format!("in another language {:?} are left out", foreign.answers));
+    }
     if plain(&solved.equation.lines) != plain(step.formulas()) {
         faults.push(format!("the filled formula is not that of the step: {:?}", plain(&solved.equation.lines)));
     }

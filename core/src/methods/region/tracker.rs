@@ -10,7 +10,7 @@ use crate::geometry::Bounds;
 use crate::params::Params;
 use crate::products::{Product, ProductKind, Region, RegionField, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Chart, Fact, Name, Question, Readout, Scene, Sentence, Step};
+use crate::scene::{Chart, Name, Question, Scene, Sentence, Step};
 
 /// The quantity by which a tracker judges its match.
 #[derive(Clone, Copy, Debug)]
@@ -58,12 +58,7 @@ pub trait RegionModel: Params + Default + Clone + Send + Sync + 'static {
     }
 
     /// Why a region of the first frame cannot be tracked, as a sentence with its number, if it cannot.
-    fn refuse(&self, frame: &Frame, region: Region) -> Option<Sentence> {
-        self.refusal(frame, region).map(|why| Sentence::default().text(why))
-    }
-
-    /// [`RegionModel::refuse`] of a tracker whose steps are not yet data.
-    fn refusal(&self, _frame: &Frame, _region: Region) -> Option<String> {
+    fn refuse(&self, _frame: &Frame, _region: Region) -> Option<Sentence> {
         None
     }
 
@@ -110,13 +105,7 @@ pub trait Explained: RegionModel {
     const JUDGES_LOSS: bool = false;
 
     /// Adds the values, the sentence, the formula and the charts of an event to a step at its line.
-    fn step(&self, at: &At<'_, Self>, step: Step) -> Step {
-        let mut step = step.tell(self.sentence(at));
-        if let Some(Readout::Facts(facts)) = step.readouts.first_mut() {
-            facts.extend(self.facts(at));
-        }
-        step.show_all(self.readouts(at))
-    }
+    fn step(&self, at: &At<'_, Self>, step: Step) -> Step;
 
     /// Draws the step over frame t.
     fn draw(&self, at: &At<'_, Self>, scene: &mut Scene);
@@ -131,82 +120,27 @@ pub trait Explained: RegionModel {
 
     /// Tells the first sentence of a run.
     fn open(&self, step: Step) -> Step {
-        match self.opening() {
-            opening if opening.is_empty() => step.say(case::OPENING),
-            opening => told(step, "", Some(opening)),
-        }
+        step.say(case::OPENING)
     }
 
     /// Tells why the object is lost in a frame, at the tracker's last event: a clause that begins with a colon.
-    fn tell_loss(&self, at: &At<'_, Self>, step: Step) -> Step {
-        told(step, ": ", self.loss(at))
+    fn tell_loss(&self, _at: &At<'_, Self>, step: Step) -> Step {
+        step
     }
 
     /// Tells what all frames of a run show beyond their regions, at the tracker's last event, as a further sentence of its end.
-    fn tell_summary(&self, at: &At<'_, Self>, step: Step) -> Step {
-        told(step, " ", self.summary(at))
+    fn tell_summary(&self, _at: &At<'_, Self>, step: Step) -> Step {
+        step
     }
 
     /// Tells what the result of a frame that did not lose the object does not show, at the tracker's last event, as a sentence.
-    fn tell_caveat(&self, at: &At<'_, Self>, step: Step) -> Step {
-        told(step, " ", self.caveat(at))
+    fn tell_caveat(&self, _at: &At<'_, Self>, step: Step) -> Step {
+        step
     }
 
     /// Tells the lesson of a run at the last event of its tracker: why it ended so, and what would help. The outcome is never
     /// [`Outcome::Unknown`](super::Outcome::Unknown).
-    fn advise(&self, ending: Ending, at: &At<'_, Self>, step: Step) -> Step {
-        told(step, " ", Some(self.advice(ending, at)))
-    }
-
-    // The explanation of trackers whose steps are not yet data; the methods above replace these.
-
-    /// The sentence of [`Explained::step`].
-    fn sentence(&self, _at: &At<'_, Self>) -> Sentence {
-        Sentence::default()
-    }
-
-    /// The facts of [`Explained::step`].
-    fn facts(&self, _at: &At<'_, Self>) -> Vec<Fact> {
-        Vec::new()
-    }
-
-    /// The formula and the charts of [`Explained::step`].
-    fn readouts(&self, _at: &At<'_, Self>) -> Vec<Readout> {
-        Vec::new()
-    }
-
-    /// The text of [`Explained::open`].
-    fn opening(&self) -> String {
-        String::new()
-    }
-
-    /// The text of [`Explained::tell_loss`].
-    fn loss(&self, _at: &At<'_, Self>) -> Option<String> {
-        None
-    }
-
-    /// The text of [`Explained::tell_summary`].
-    fn summary(&self, _at: &At<'_, Self>) -> Option<String> {
-        None
-    }
-
-    /// The text of [`Explained::tell_caveat`].
-    fn caveat(&self, _at: &At<'_, Self>) -> Option<String> {
-        None
-    }
-
-    /// The text of [`Explained::advise`].
-    fn advice(&self, _ending: Ending, _at: &At<'_, Self>) -> String {
-        String::new()
-    }
-}
-
-/// Tells a text behind `lead`, of a tracker whose steps are not yet data.
-fn told(step: Step, lead: &str, text: Option<String>) -> Step {
-    match text {
-        Some(text) => step.tell(Sentence::default().text(format!("{lead}{text}"))),
-        None => step,
-    }
+    fn advise(&self, ending: Ending, at: &At<'_, Self>, step: Step) -> Step;
 }
 
 /// The run at an event of a tracker.
