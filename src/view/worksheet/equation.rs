@@ -392,5 +392,8 @@ mod tests {
         assert!(!shown.contains("5.25") && !shown.contains("65.44") && shown.contains("7.00"), "{shown}");
         assert_eq!(plain(&left_out(&lines, Fill::Answer).lines), plain(&lines));
         assert_eq!(values(&lines), ["5.25", "65.44", "127.73"]);
+        let finer = [lines[0].clone(), line("u = 7.00 − {finer} = {x}")];
+        let shown: String = plain(&left_out(&finer, Fill::Blank).lines).concat();
+        assert!(!shown.contains("5.25"), "it is not told with more digits either: {shown}");
     }
 }

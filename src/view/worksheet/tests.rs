@@ -24,6 +24,8 @@ motionscope_core::variables! {
     B: "b", "b", Unit::FINE, Role::Reference;
     /// A result.
     S: "s", "s", Unit::FINE;
+    /// The result with further digits.
+    FINER: "s", "s", Unit::new("", 4);
     /// A position.
     X: "x", "x", Unit::new("px", 2);
 }
@@ -31,6 +33,7 @@ motionscope_core::variables! {
 /// A formula of a = 0.25, b = 3.50, the result s = 5.25 and the position x = (65.44, 127.73).
 pub(super) fn formula(template: &str) -> Math {
     let step = Step::at(Name::new(b"add")).put(value::A, 0.25).put(value::B, 3.5).put(value::S, 5.25);
+    let step = step.put(value::FINER, 5.2501);
     step.put(value::X, [65.44, 127.73]).formula(template).formulas()[0].clone()
 }
 
