@@ -84,7 +84,7 @@ impl Step {
     #[must_use]
     #[inline(never)]
     pub fn fact_of(mut self, value: Value) -> Self {
-        self.facts_mut().push(Fact::of_value(&value));
+        self.push_fact(Fact::of_value(&value));
         self.put_value(value)
     }
 
@@ -96,7 +96,7 @@ impl Step {
         let mut step = self.put_value(value);
         let told = Sentence::default().say(case, &step.values);
         let text: String = told.words().map(|(words, _)| words).collect();
-        step.facts_mut().push(Fact::new(label, text, role));
+        step.push_fact(Fact::new(label, text, role));
         step
     }
 
@@ -132,7 +132,7 @@ impl Step {
     #[inline(never)]
     fn formula_of(mut self, template: &str) -> Self {
         let math = latex::read(template, Some(&self.values)).unwrap_or_else(|_| Math::text(template));
-        self.formulas_mut().push(math);
+        self.push_formula(math);
         self
     }
 
@@ -177,23 +177,24 @@ impl Step {
         all.unwrap_or_default()
     }
 
-    fn facts_mut(&mut self) -> &mut Vec<Fact> {
-        let at = self.readouts.iter().position(|readout| matches!(readout, Readout::Facts(_))).unwrap_or_else(|| {
-            self.readouts.insert(0, Readout::Facts(Vec::new()));
-            0
-        });
-        let Readout::Facts(facts) = &mut self.readouts[at] else { unreachable!("they stand there") };
-        facts
+    /// Facts stand first.
+    fn push_fact(&mut self, fact: Fact) {
+        let facts =
+            self.readouts.iter_mut().find_map(|of| if let Readout::Facts(facts) = of { Some(facts) } else { None });
+        match facts {
+            Some(facts) => facts.push(fact),
+            None => self.readouts.insert(0, Readout::Facts(vec![fact])),
+        }
     }
 
-    fn formulas_mut(&mut self) -> &mut Vec<Math> {
-        let is_there = |readout: &Readout| matches!(readout, Readout::Equation(_));
-        let at = self.readouts.iter().position(is_there).unwrap_or_else(|| {
-            let behind_facts = usize::from(matches!(self.readouts.first(), Some(Readout::Facts(_))));
-            self.readouts.insert(behind_facts, Readout::Equation(Vec::new()));
-            behind_facts
-        });
-        let Readout::Equation(formulas) = &mut self.readouts[at] else { unreachable!("they stand there") };
-        formulas
+    /// Formulas stand first, behind the facts.
+    fn push_formula(&mut self, formula: Math) {
+        let behind_facts = usize::from(matches!(self.readouts.first(), Some(Readout::Facts(_))));
+        let all =
+            self.readouts.iter_mut().find_map(|of| if let Readout::Equation(all) = of { Some(all) } else { None });
+        match all {
+            Some(all) => all.push(formula),
+            None => self.readouts.insert(behind_facts, Readout::Equation(vec![formula])),
+        }
     }
 }

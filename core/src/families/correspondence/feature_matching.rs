@@ -1,6 +1,8 @@
 //! Matching of keypoints by their descriptors.
 
+mod charts;
 mod explain;
+mod marks;
 
 use std::sync::Arc;
 

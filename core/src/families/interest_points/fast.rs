@@ -1,6 +1,9 @@
 //! Rosten and Drummond's FAST corner detector.
 
+mod charts;
 mod explain;
+mod marks;
+mod probe;
 
 use std::cmp::Reverse;
 use std::sync::Arc;

@@ -1,6 +1,8 @@
 //! ORB: oriented FAST corners on a pyramid, described by rotated comparisons of pixels.
 
 mod explain;
+mod marks;
+mod probe;
 
 use std::sync::Arc;
 

@@ -1,7 +1,10 @@
 //! SURF: blobs by the determinant of the Hessian from box filters, described by Haar wavelets.
 
+mod charts;
 mod explain;
 mod hessian;
+mod marks;
+mod probe;
 
 use std::sync::Arc;
 

@@ -1,6 +1,10 @@
 //! Motion clustering: pixels grouped by their displacements, by k-means, a mixture of Gaussians or mean shift.
 
+mod charts;
 mod explain;
+mod marks;
+mod view;
+mod vocabulary;
 
 use std::sync::Arc;
 
@@ -401,9 +405,9 @@ impl Segmenter for MotionClustering {
             "changes",
             "How many pixels change their cluster in the next iteration?",
             line::ASSIGN,
-            explain::value::CHANGES,
+            vocabulary::value::CHANGES,
         )
-        .unless_told(&[explain::case::FIRST_ITERATION]),
+        .unless_told(&[vocabulary::case::FIRST_ITERATION]),
         Question::value("segments", "How many segments will the frame have?", line::LABEL, SEGMENTS)
             .unless_told(&[case::NO_SEGMENT, case::ONE_SEGMENT]),
     ];

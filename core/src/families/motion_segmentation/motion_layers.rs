@@ -1,6 +1,7 @@
 //! Motion layers: affine motions of blocks, clustered, assigned to pixels, split and merged until they hold.
 
 mod explain;
+mod vocabulary;
 
 use std::sync::Arc;
 
@@ -14,6 +15,7 @@ use crate::products::SegmentFrame;
 use crate::run::{Info, Progress, Seen};
 use crate::scene::{Question, Reply, Role, Scene, Step};
 use crate::{params, pseudocode};
+use vocabulary::{case, value};
 
 params! {
     /// Layers of affine motion.
@@ -358,11 +360,11 @@ impl Segmenter for MotionLayers {
             "hypothesis",
             "Is the affine motion of the next block a hypothesis?",
             &[
-                Reply::told(line::FIT_BLOCK, explain::case::HYPOTHESIS, "Yes: one affine motion fits the block"),
-                Reply::told(line::FIT_BLOCK, explain::case::ACROSS, "No: the block lies across a motion boundary"),
+                Reply::told(line::FIT_BLOCK, case::HYPOTHESIS, "Yes: one affine motion fits the block"),
+                Reply::told(line::FIT_BLOCK, case::ACROSS, "No: the block lies across a motion boundary"),
             ],
         ),
-        Question::value("changes", "How many pixels change their layer?", line::ASSIGN, explain::value::CHANGES),
+        Question::value("changes", "How many pixels change their layer?", line::ASSIGN, value::CHANGES),
     ];
     // Flow, labels, connected regions; each event of a unit may hold labels of its own.
     const BYTES_PER_PIXEL: [f64; 2] = [36.0, 56.0];

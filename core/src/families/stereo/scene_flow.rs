@@ -8,8 +8,10 @@
 //!   right t                   right t+1       V = P' − P
 //! ```
 
+mod charts;
 mod explain;
 mod space;
+mod vocabulary;
 
 use std::sync::Arc;
 
@@ -27,6 +29,7 @@ use crate::run::{
 use crate::scene::{Chart, Focus, Name, Picture, Question, Reply, Role, Scene, Step};
 use crate::synth::random::{gaussian, hash};
 use crate::{choices, params, pseudocode};
+use vocabulary::{case, value};
 
 choices! {
     /// The disparities and the flow that are used.
@@ -405,16 +408,11 @@ impl Estimator for SceneFlow {
             "own",
             "Does the next pixel have a motion of its own?",
             &[
-                Reply::told(line::OWN, explain::case::OWN_MOTION, "Yes: the residual exceeds the gate"),
-                Reply::told(line::OWN, explain::case::AT_REST, "No: the motion of the cameras explains it"),
+                Reply::told(line::OWN, case::OWN_MOTION, "Yes: the residual exceeds the gate"),
+                Reply::told(line::OWN, case::AT_REST, "No: the motion of the cameras explains it"),
             ],
         ),
-        Question::value(
-            "inliers",
-            "How many points agree with the next sample?",
-            line::SAMPLE,
-            explain::value::INLIERS,
-        ),
+        Question::value("inliers", "How many points agree with the next sample?", line::SAMPLE, value::INLIERS),
     ];
     const GUARANTEE: Guarantee = Guarantee::SceneFlow;
     const CHARTS: &'static [Chart] = &[Chart::Cloud, Chart::Matrices, Chart::Series];

@@ -7,9 +7,13 @@
 //!                                 with any other: P2, as at a depth edge
 //! ```
 
+mod charts;
 mod explain;
 mod fill;
+mod marks;
 mod paths;
+mod shown;
+mod vocabulary;
 
 use std::sync::Arc;
 
@@ -337,7 +341,7 @@ impl Estimator for SemiGlobalMatching {
         Question::choice(
             "confirmed",
             "Does the left–right check confirm the disparity?",
-            &[Reply::told(line::CHECK, explain::case::CONFIRMED, "Yes"), Reply::at(line::CHECK, "No")],
+            &[Reply::told(line::CHECK, vocabulary::case::CONFIRMED, "Yes"), Reply::at(line::CHECK, "No")],
         ),
     ];
     const GUARANTEE: Guarantee = Guarantee::Disparity;

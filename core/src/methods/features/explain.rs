@@ -1,4 +1,4 @@
-//! The explanation and the drawing of corner detection.
+//! The steps of corner detection in values, words and charts.
 
 use super::corners::{Corners, Event, Measure, Stage, State};
 use super::declare::{Status, be, case, line, value};
@@ -8,21 +8,21 @@ use crate::base::words::pixel;
 use crate::geometry::Grid;
 use crate::methods::differential::{Tensor, explain};
 use crate::run::Seen;
-use crate::scene::{Picture, Readout, Role, Scene, Shape, Step, Surface, Tile, Unit};
+use crate::scene::{Picture, Readout, Role, Step, Surface, Tile, Unit};
 
-fn point((x, y): (usize, usize)) -> [f32; 2] {
+pub(super) fn point((x, y): (usize, usize)) -> [f32; 2] {
     [x as f32, y as f32]
 }
 
 /// The inspected pixel with its structure tensor and response.
-struct Probe {
-    place: (usize, usize),
+pub(super) struct Probe {
+    pub place: (usize, usize),
     /// Whether it is the pixel pointed at rather than the current one.
-    is_pointed_at: bool,
-    tensor: Tensor,
-    response: f32,
+    pub is_pointed_at: bool,
+    pub tensor: Tensor,
+    pub response: f32,
     /// Below this eigenvalue, noise alone may be the gradient.
-    flat: f32,
+    pub flat: f32,
 }
 
 /// The unit of the parts of a formula: that of responses, with the fewest further decimals with which the numbers as they are written
@@ -50,7 +50,7 @@ pub(super) fn meaning<M: Measure>(of: &M, step: Step, eigenvalues: [f32; 2], (re
 
 impl<M: Measure> Corners<M> {
     /// Returns the pixel pointed at, or else the current one.
-    fn probe(&self, seen: &Seen<Self>) -> Option<Probe> {
+    pub(super) fn probe(&self, seen: &Seen<Self>) -> Option<Probe> {
         let state = seen.before;
         let at_work = match seen.events.last()? {
             Event::Response(_) => (seen.events.len() - 1, state.row),
@@ -195,87 +195,10 @@ impl<M: Measure> Corners<M> {
             None => status(line::SUPPRESS, "local maximum", case::HAS_STATUS, None),
         }
     }
-
-    pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        let state = seen.before;
-        self.draw_map(seen, scene);
-        let mut points = |role, meaning, places: Vec<(usize, usize)>| {
-            if !places.is_empty() {
-                scene.mark(Picture::CURRENT, role, Shape::Points(places.into_iter().map(point).collect()));
-                scene.legend(role, meaning);
-            }
-        };
-        let places = |peaks: &[u32]| peaks.iter().map(|peak| state.place(*peak)).collect::<Vec<_>>();
-        match state.stage {
-            Stage::Response => {}
-            Stage::Suppression => {
-                let over = |is_peak: bool| {
-                    let of_row = seen.events.iter().filter_map(move |event| match event {
-                        Event::Over(place, by) if by.is_none() == is_peak => Some(*place),
-                        _ => None,
-                    });
-                    of_row.collect::<Vec<_>>()
-                };
-                points(Role::Rejected, "suppressed (non-maximum)", over(false));
-                points(Role::Best, "local maximum", [places(&state.peaks), over(true)].concat());
-            }
-            Stage::Choice => {
-                let looked_at = |is_kept: bool| {
-                    let peaks = seen.events.iter().filter_map(move |event| match event {
-                        Event::Peak(peak, near) if near.is_none() == is_kept => Some(*peak),
-                        _ => None,
-                    });
-                    places(&peaks.collect::<Vec<_>>())
-                };
-                let (kept, dropped) = (looked_at(true), looked_at(false));
-                let done: Vec<_> = kept.iter().chain(&dropped).copied().collect();
-                // Beyond max-points nothing was tested.
-                let mut is_done = Grid::new(state.map.width(), state.map.height(), seen.after.is_some());
-                done.iter().for_each(|place| is_done[*place] = true);
-                let waiting = places(&state.peaks).into_iter().filter(|place| !is_done[*place]).collect();
-                points(Role::Candidate, "local maximum, not yet tested", waiting);
-                points(Role::Rejected, "rejected by the minimum distance", dropped);
-                points(Role::Result, "corner", kept);
-            }
-        }
-        self.draw_pixel(seen, scene);
-    }
-
-    /// Draws the responses so far; in later stages only those that reach the threshold.
-    fn draw_map(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        let (state, peaks) = (seen.before, self.peaks(seen.before));
-        let (width, height) = state.map.size();
-        let is_shown = |x: usize, y: usize| state.stage == Stage::Response || peaks.is_over(x, y);
-        let shown = |x, y| response(seen, (x, y)).filter(|_| is_shown(x, y)).map_or(f32::NAN, M::shown);
-        let values = Grid::from_fn(width, height, shown);
-        if values.cells().iter().any(|value| value.is_finite()) {
-            scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin: [0.0; 2], values });
-            scene.heat = Some(M::SHOWN);
-        }
-    }
-
-    fn draw_pixel(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        let Some(probe) = self.probe(seen) else { return };
-        let (x, y) = (probe.place.0 as i32, probe.place.1 as i32);
-        let Settings { window, selection: Selection { min_distance, .. }, .. } = self.0.settings();
-        if let (Some(Event::Peak(..)), None) = (seen.events.last(), seen.point()) {
-            let radius = min_distance as f32;
-            let shape = Shape::Ellipse { center: point(probe.place), radii: [radius; 2], angle_rad: 0.0 };
-            scene.mark(Picture::CURRENT, Role::Window, shape);
-            scene.legend(Role::Window, "minimum distance");
-        } else {
-            let reach = (window / 2) as i32;
-            let side = 2 * reach as usize + 1;
-            scene.mark(Picture::CURRENT, Role::Window, Shape::pixels(x - reach, y - reach, side, side));
-            scene.legend(Role::Window, "window");
-        }
-        scene.mark(Picture::CURRENT, Role::Reference, Shape::pixels(x, y, 1, 1));
-        scene.legend(Role::Reference, "inspected pixel");
-    }
 }
 
 /// The response of a pixel, if it has been computed.
-fn response<M: Measure>(seen: &Seen<Corners<M>>, (x, y): (usize, usize)) -> Option<f32> {
+pub(super) fn response<M: Measure>(seen: &Seen<Corners<M>>, (x, y): (usize, usize)) -> Option<f32> {
     let state = seen.before;
     match (state.stage, seen.events.get(x)) {
         (Stage::Response, Some(Event::Response(response))) if y == state.row => Some(*response),

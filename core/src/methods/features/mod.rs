@@ -12,6 +12,7 @@ pub mod haar;
 pub mod integral;
 mod keypoints;
 pub mod level_trace;
+mod marks;
 mod response;
 pub mod scale_pyramid;
 pub mod segment;

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use super::explain::{case, value};
 use super::explanation::{Cases, Probe};
 use super::rows::Flags;
 use super::shadow::{ShadowDetection, ShadowLimits, is_shadow};
+use super::vocabulary::{case, value};
 use super::{Accepted, Background, Comparison, Explanation, Found, Past, Setup, displaced};
 use crate::base::Threads;
 use crate::choices;

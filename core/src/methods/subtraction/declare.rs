@@ -1,6 +1,6 @@
 //! Parameters and pseudocode shared by all background subtractions.
 
-use super::explain::value;
+use super::vocabulary::value;
 use crate::data::Connectivity;
 use crate::params;
 use crate::scene::{Question, Role};

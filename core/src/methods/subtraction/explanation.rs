@@ -1,8 +1,8 @@
 //! The classification of a single pixel and the update of its model, and what the background models say of it alike.
 
 use super::channels::{Channel, largest};
-use super::explain::{case, value};
 use super::noise::NOISE_SIGMAS;
+use super::vocabulary::{case, value};
 use crate::data::Frame;
 use crate::scene::{Case, Number, Role, Step, Unit, Value};
 

@@ -2,15 +2,20 @@
 
 mod camera;
 mod channels;
+mod charts;
+mod conclusion;
 mod declare;
 mod explain;
 mod explanation;
 mod exposure;
 mod history;
 mod initial;
+mod marks;
+mod mask_history;
 mod noise;
 mod rows;
 mod shadow;
+mod vocabulary;
 
 use std::sync::Arc;
 
@@ -20,21 +25,24 @@ pub use channels::Channels;
 pub(crate) use channels::{
     Channel, ChannelModel, Channelwise, Common, Planes, Row, SHADOW_SHARE, classify, largest, levels, luma,
 };
+pub(crate) use charts::plots;
 use declare::QUESTIONS;
 pub use declare::Settings;
 pub(crate) use declare::subtraction_pseudocode;
-pub(crate) use explain::{MaskHistory, case, plots, put_blobs, value};
+pub(crate) use explain::put_blobs;
 pub(crate) use explanation::{
     Cases, Comparison, Explanation, IN_CHANNEL, Probe, class, difference_rule, put_pixel, tuple,
 };
 pub use exposure::Exposure;
 pub(crate) use history::Accepted;
 pub use initial::Initial;
+pub(crate) use mask_history::MaskHistory;
 pub use noise::{Differencing, automatic_threshold, noise_of};
 pub(crate) use rows::{Flags, by_rows};
 pub use shadow::ShadowDetection;
 use shadow::enclosed;
 pub(crate) use shadow::{ShadowLimits, is_shadow, shadow_brightness};
+pub(crate) use vocabulary::{case, value};
 
 use camera::Camera;
 use exposure::Transfer;

@@ -1,15 +1,11 @@
-//! The explanation and the drawing of feature matching.
+//! The steps of feature matching in values, words and formulas.
 
+use super::charts::{descriptors, distances};
 use super::{Event, FeatureMatching, State, case, features, line, value};
-use crate::methods::differential::explain;
 use crate::methods::matching::{Event as Compared, Neighbors, Outcome};
-use crate::products::keypoints::{Descriptor, Keypoint, WINDOW_SIGMAS};
 use crate::products::{Match, MatchField, MatchStatus};
 use crate::run::Seen;
-use crate::scene::{Link, Picture, Readout, Role, Scene, Series, Shape, Step, Tile};
-
-/// Number of ratio limits in the plot of precision.
-const LIMITS: usize = 20;
+use crate::scene::{Readout, Step};
 
 impl FeatureMatching {
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
@@ -158,143 +154,6 @@ impl FeatureMatching {
             _ => step.say(if limit >= 1.0 { case::SET_LIMIT } else { case::LOWER_LIMIT }),
         }
     }
-
-    /// Precision and share of the nearest neighbours that limits of the ratio accept, where the truth is known; else the share alone.
-    fn precision(&self, state: &State) -> Option<Series> {
-        let is_tested = |found: &Match| found.ratio.is_some() || found.status == MatchStatus::RejectedRatio;
-        let all: Vec<Match> = state.matches().filter(is_tested).collect();
-        if all.is_empty() {
-            return None;
-        }
-        let mut limits: Vec<f32> = (0..=LIMITS).map(|i| 0.5 + 0.5 * i as f32 / LIMITS as f32).collect();
-        limits.retain(|limit| *limit != self.settings.ratio);
-        limits.insert(limits.partition_point(|limit| *limit < self.settings.ratio), self.settings.ratio);
-        let (mut shares, mut precisions) = (Vec::new(), Vec::new());
-        for limit in limits {
-            let accepted = || all.iter().filter(|found| found.ratio.is_some_and(|ratio| ratio < limit));
-            shares.push([limit, accepted().count() as f32 / all.len() as f32]);
-            let truth = state.fixed.truth.as_ref();
-            let precision = truth.and_then(|truth| MatchField::compare(accepted(), truth).precision());
-            precisions.push([limit, precision.map_or(f32::NAN, |share| share as f32)]);
-        }
-        let mut lines = vec![("accepted", Role::Reference, shares)];
-        if precisions.iter().any(|point| point[1].is_finite()) {
-            lines.push(("precision: right of accepted", Role::Result, precisions));
-        }
-        Some(Series {
-            title: "Ratio test",
-            x_label: "ratio limit",
-            y_label: "share",
-            x_max: 1,
-            lines,
-            is_sweep: true,
-            chosen: Some(self.settings.ratio),
-            ..Series::default()
-        })
-    }
-
-    /// The neighbourhoods of the keypoint and of its neighbours.
-    fn tiles(&self, state: &State, index: usize, neighbors: &Neighbors) -> Vec<Tile> {
-        let reach = self.settings.reach().min(7);
-        let tile = |side: usize, index: usize, label, role| {
-            let luma = state.fixed.pair.frames[side].luma();
-            let place = luma.cell_at(state.fixed.pair.sides[side].points[index].at)?;
-            Some(Tile {
-                label,
-                role: Some(role),
-                values: explain::around(luma, place, reach),
-                range: [0.0, 255.0],
-                framed: Vec::new(),
-            })
-        };
-        let first = neighbors.first.and_then(|(index, _)| tile(1, index, "Nearest", Role::Best));
-        let second = neighbors.second.and_then(|(index, _)| tile(1, index, "Second nearest", Role::Rejected));
-        [tile(0, index, "Keypoint", Role::Reference), first, second].into_iter().flatten().collect()
-    }
-
-    pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        let state = seen.before;
-        let [here, there] = state.fixed.pair.sides.each_ref();
-        let is_end = seen.after.is_some_and(|after| after.found.len() >= after.count());
-        let alone = if is_end { "keypoint without a match: rejected" } else { "keypoint; second nearest" };
-        for (on, side) in [(Picture::CURRENT, here), (Picture::NEXT, there)] {
-            let points: Vec<_> = side.points.iter().map(|point| point.at).collect();
-            if !points.is_empty() {
-                scene.mark(on, Role::Rejected, Shape::Points(points));
-                scene.legend(Role::Rejected, alone);
-            }
-        }
-        let shown = seen.after.unwrap_or(state);
-        let truth = state.fixed.truth.as_deref();
-        for found in shown.matches().filter(|found| found.status == MatchStatus::Match) {
-            let (role, meaning) = match truth.map(|truth| MatchField::is_right(&found, truth)) {
-                Some(Some(true)) if is_end => (Role::Best, "correct match"),
-                Some(Some(true)) => (Role::Best, "correct match; nearest"),
-                Some(Some(false)) => (Role::Error, "wrong match"),
-                Some(None) => (Role::Result, "match, true displacement unknown"),
-                None => (Role::Result, "match"),
-            };
-            scene.links.push(link(role, found.from, found.to));
-            scene.legend(role, meaning);
-        }
-        if !is_end {
-            self.draw_current(seen, scene);
-        }
-    }
-
-    fn draw_current(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        let state = seen.before;
-        let [here, there] = state.fixed.pair.sides.each_ref();
-        let index = state.found.len();
-        let (Some(point), false) = (here.points.get(index), seen.events.is_empty()) else { return };
-        self.draw_keypoint((Picture::CURRENT, Role::Reference), point.at, &here.keypoints[index], scene);
-        scene.legend(Role::Reference, "keypoint compared");
-        if self.settings.radius > 0 {
-            let radii = [self.settings.radius as f32; 2];
-            scene.mark(Picture::NEXT, Role::Predicted, Shape::Ellipse { center: point.at, radii, angle_rad: 0.0 });
-            scene.legend(Role::Predicted, "search radius");
-        }
-        let mut candidate = |index: usize, role, meaning| {
-            let to = there.points[index].at;
-            self.draw_keypoint((Picture::NEXT, role), to, &there.keypoints[index], scene);
-            scene.links.push(link(role, point.at, to));
-            scene.legend(role, meaning);
-        };
-        for event in seen.events {
-            match event {
-                Event::Of(Compared::Found(Neighbors { first, second })) => {
-                    if let Some((index, _)) = second {
-                        candidate(*index, Role::Rejected, "keypoint; second nearest");
-                    }
-                    if let Some((index, _)) = first {
-                        candidate(*index, Role::Best, "nearest");
-                    }
-                }
-                Event::Of(Compared::Nearer { index, .. })
-                    if std::ptr::eq(event, seen.events.last().unwrap_or(event)) =>
-                {
-                    candidate(*index, Role::Candidate, "nearest so far");
-                }
-                _ => {}
-            }
-        }
-    }
-
-    /// A circle as large as the described neighbourhood, or the square of a patch.
-    fn draw_keypoint(&self, (on, role): (Picture, Role), at: [f32; 2], keypoint: &Keypoint, scene: &mut Scene) {
-        let shape = match keypoint.scale_px {
-            Some(scale) => Shape::Ellipse { center: at, radii: [WINDOW_SIGMAS / 2.0 * scale; 2], angle_rad: 0.0 },
-            None => {
-                let reach = self.settings.reach() as f32 + 0.5;
-                Shape::Rect { min: at.map(|c| c - reach), max: at.map(|c| c + reach) }
-            }
-        };
-        scene.mark(on, role, shape);
-    }
-}
-
-fn link(role: Role, from: [f32; 2], to: [f32; 2]) -> Link {
-    Link { role, ends: [(Picture::CURRENT, from), (Picture::NEXT, to)] }
 }
 
 /// The neighbours of the keypoint found so far.
@@ -308,64 +167,4 @@ fn neighbors(seen: &Seen<FeatureMatching>) -> Neighbors {
         _ => None,
     });
     found.unwrap_or(Neighbors { first: nearer, second: None })
-}
-
-/// The entries of two descriptors of real values.
-fn descriptors(keypoint: &Keypoint, other: Option<&Keypoint>) -> Option<Series> {
-    let entries = |keypoint: &Keypoint| match keypoint.descriptor.as_ref()? {
-        Descriptor::Reals(values) => {
-            Some(values.iter().enumerate().map(|(i, v)| [(i + 1) as f32, *v]).collect::<Vec<_>>())
-        }
-        Descriptor::Bits(_) => None,
-    };
-    let own = entries(keypoint)?;
-    let x_max = own.len();
-    let mut lines = vec![("a, of the keypoint", Role::Reference, own)];
-    lines.extend(other.and_then(entries).map(|values| ("b, of the nearest", Role::Best, values)));
-    Some(Series {
-        title: "Descriptors",
-        x_label: "entry",
-        y_label: "value",
-        x_max,
-        lines,
-        is_sweep: true,
-        fits_values: true,
-        ..Series::default()
-    })
-}
-
-/// Bins of the histogram of distances.
-const BINS: usize = 16;
-
-/// The histogram of the distances of all nearest neighbours: of right and of wrong ones where the truth is known.
-fn distances(state: &State) -> Option<Series> {
-    let all: Vec<Match> = state.matches().collect();
-    let most = all.iter().map(|found| found.distance).fold(0.0, f32::max);
-    if all.len() < 2 || most <= 0.0 {
-        return None;
-    }
-    let line = |is_counted: &dyn Fn(&Match) -> bool| {
-        let mut counts = [0.0f32; BINS];
-        for found in all.iter().filter(|found| is_counted(found)) {
-            counts[((found.distance / most * BINS as f32) as usize).min(BINS - 1)] += 1.0;
-        }
-        let middle = |i: usize| (i as f32 + 0.5) / BINS as f32 * most;
-        counts.iter().enumerate().map(|(i, count)| [middle(i), *count]).collect::<Vec<_>>()
-    };
-    let lines = match state.fixed.truth.as_deref() {
-        Some(truth) => vec![
-            ("right", Role::Best, line(&|found| MatchField::is_right(found, truth) == Some(true))),
-            ("wrong", Role::Error, line(&|found| MatchField::is_right(found, truth) == Some(false))),
-        ],
-        None => vec![("nearest neighbours", Role::Reference, line(&|_| true))],
-    };
-    Some(Series {
-        title: "Distances of nearest neighbours",
-        x_label: "distance of the descriptors",
-        y_label: "keypoints",
-        x_max: most.ceil() as usize,
-        lines,
-        is_sweep: true,
-        ..Series::default()
-    })
 }

@@ -1,46 +1,17 @@
-//! The explanation and the drawing of ORB.
+//! The steps of ORB in values, words and charts.
 
-use std::sync::Arc;
-
+use super::probe::Probe;
 use super::{Event, Level, Orb, State, case, features, line, value};
 use crate::base::words::grouped;
 use crate::geometry::Grid;
 use crate::methods::differential::explain;
-use crate::methods::features::brief::{BITS, Moments, Pair, WINDOW_REACH, turned, window_sum};
-use crate::methods::features::draw_keypoints;
+use crate::methods::features::brief::{BITS, Moments, WINDOW_REACH, window_sum};
 use crate::methods::features::segment::SegmentTest;
-use crate::run::{Progress, Seen};
-use crate::scene::{Picture, Readout, Role, Scene, Series, Shape, Step, Tile};
+use crate::run::Seen;
+use crate::scene::{Readout, Role, Series, Step, Tile};
 
 /// The number of responses that a plot shows.
 const PLOTTED: usize = 400;
-
-/// A keypoint that is described: its level, and what is known of it so far.
-struct Probe<'a> {
-    index: usize,
-    level: &'a Level,
-    place: (usize, usize),
-    moments: Moments,
-    /// The bits so far.
-    bits: Vec<bool>,
-}
-
-impl Probe<'_> {
-    /// A pair of the pattern, turned by the orientation.
-    fn turned(&self, pair: Pair) -> Pair {
-        turned(pair, self.moments.direction())
-    }
-
-    /// The pixel of the level at an offset.
-    fn pixel(&self, [i, j]: [i32; 2]) -> (usize, usize) {
-        ((self.place.0 as i32 + i) as usize, (self.place.1 as i32 + j) as usize)
-    }
-
-    /// The place in the frame of an offset.
-    fn in_frame(&self, [i, j]: [f32; 2]) -> [f32; 2] {
-        self.level.of.in_frame([self.place.0 as f32 + i, self.place.1 as f32 + j])
-    }
-}
 
 /// The mean of a window of the pattern.
 fn mean(sum: u32) -> f32 {
@@ -49,31 +20,6 @@ fn mean(sum: u32) -> f32 {
 }
 
 impl Orb {
-    /// Returns the level at work.
-    fn level<'a>(&self, seen: &'a Seen<Self>) -> Option<&'a Arc<Level>> {
-        seen.events.iter().find_map(|event| match event {
-            Event::Resampled(level) => Some(level),
-            _ => None,
-        })
-    }
-
-    /// Returns the keypoint at work.
-    fn probe<'a>(&self, seen: &'a Seen<Self>) -> Option<Probe<'a>> {
-        let state = seen.before;
-        let index = state.current()?;
-        let corner = state.corners.get(index)?;
-        let moments = seen.events.iter().find_map(|event| match event {
-            Event::Centroid(moments) => Some(*moments),
-            _ => None,
-        })?;
-        let bits = seen.events.iter().filter_map(|event| match event {
-            Event::Compared(bit) => Some(*bit),
-            _ => None,
-        });
-        let level = &*state.levels[corner.level];
-        Some(Probe { index, level, place: corner.place, moments, bits: bits.collect() })
-    }
-
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
         let Some(last) = seen.events.last() else { return Step::at(line::EACH_LEVEL).say(case::OPENING) };
         let step = match (self.level(seen), self.probe(seen)) {
@@ -206,113 +152,6 @@ impl Orb {
             let level = column.ok().zip(row.ok()).and_then(|(x, y)| probe.level.of.picture.get(x, y));
             level.map_or(f32::NAN, |level| f32::from(*level))
         })
-    }
-
-    pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        let done = seen.after.filter(|after| after.progress() == Progress::Done && !after.described.is_empty());
-        match (done, self.level(seen), self.probe(seen)) {
-            (Some(done), ..) => draw_keypoints(&done.features(self.side()), scene),
-            (None, Some(level), _) => self.draw_level(seen, level, scene),
-            (None, None, Some(probe)) => self.draw_keypoint(seen, &probe, scene),
-            (None, None, None) => {}
-        }
-    }
-
-    fn draw_level(&self, seen: &Seen<Self>, level: &Level, scene: &mut Scene) {
-        let (margin, (width, height)) = (self.margin() as f32, level.of.picture.size());
-        let edges = [[margin - 0.5; 2], [width as f32 - margin - 0.5, height as f32 - margin - 0.5]];
-        let [min, max] = edges.map(|edge| level.of.in_frame(edge));
-        scene.mark(Picture::CURRENT, Role::Window, Shape::Rect { min, max });
-        scene.legend(Role::Window, "area in which the patch fits");
-        let mut points = |role, meaning, places: Vec<u32>| {
-            if !places.is_empty() {
-                let place = |place: u32| level.in_frame(place);
-                scene.mark(Picture::CURRENT, role, Shape::Points(places.into_iter().map(place).collect()));
-                scene.legend(role, meaning);
-            }
-        };
-        let tested = |is_kept: bool| {
-            let peaks = seen.events.iter().filter_map(move |event| match event {
-                Event::Peak(place, near) if near.is_none() == is_kept => Some(*place),
-                _ => None,
-            });
-            peaks.collect::<Vec<_>>()
-        };
-        if seen.events.len() > 1 {
-            points(Role::Candidate, "FAST corner", level.ranked.iter().map(|(place, _)| *place).collect());
-        }
-        points(Role::Rejected, "rejected by the minimum distance", tested(false));
-        points(Role::Result, "keypoint", tested(true));
-        if let Some(Event::Peak(place, _)) = seen.events.last() {
-            self.draw_disc(level, level.place(*place), scene);
-        }
-    }
-
-    /// Draws the disc around a pixel of a level.
-    fn draw_disc(&self, level: &Level, (x, y): (usize, usize), scene: &mut Scene) {
-        let center = level.of.in_frame([x as f32, y as f32]);
-        let radii = [(self.radius() as f32 + 0.5) * level.of.scale; 2];
-        scene.mark(Picture::CURRENT, Role::Reference, Shape::Ellipse { center, radii, angle_rad: 0.0 });
-        scene.legend(Role::Reference, "disc of the patch");
-    }
-
-    fn draw_keypoint(&self, seen: &Seen<Self>, probe: &Probe<'_>, scene: &mut Scene) {
-        let state = seen.before;
-        let others: Vec<_> = state.corners[..probe.index].iter().map(|corner| state.at(corner)).collect();
-        if !others.is_empty() {
-            scene.mark(Picture::CURRENT, Role::Best, Shape::Points(others));
-            scene.legend(Role::Best, "described keypoint");
-        }
-        self.draw_disc(probe.level, probe.place, scene);
-        self.draw_pairs(state, probe, scene);
-        let [x, y] = probe.moments.direction();
-        let reach = self.radius() as f32;
-        let points = [[0.0; 2], [reach * x, reach * y]].map(|offset| probe.in_frame(offset)).to_vec();
-        scene.mark(Picture::CURRENT, Role::Result, Shape::Path { points, closed: false });
-        scene.legend(Role::Result, "orientation");
-        scene.mark(Picture::CURRENT, Role::Estimate, Shape::Points(vec![probe.in_frame(probe.moments.centroid())]));
-        scene.legend(Role::Estimate, "intensity centroid");
-    }
-
-    /// Draws the pairs compared so far, and the two windows of the last one.
-    fn draw_pairs(&self, state: &State, probe: &Probe<'_>, scene: &mut Scene) {
-        let ends = |k: usize| probe.turned(state.pattern[k]).map(|offset| probe.in_frame(offset.map(|c| c as f32)));
-        for (k, bit) in probe.bits.iter().enumerate() {
-            let (role, meaning) = match bit {
-                true => (Role::Measured, "bit 1: first window darker"),
-                false => (Role::Rejected, "bit 0"),
-            };
-            scene.mark(Picture::CURRENT, role, Shape::Path { points: ends(k).to_vec(), closed: false });
-            scene.legend(role, meaning);
-        }
-        let Some(last) = probe.bits.len().checked_sub(1) else { return };
-        let half = WINDOW_REACH as f32 + 0.5;
-        for offset in probe.turned(state.pattern[last]) {
-            let [x, y] = offset.map(|c| c as f32);
-            let [min, max] = [-half, half].map(|edge| probe.in_frame([x + edge, y + edge]));
-            scene.mark(Picture::CURRENT, Role::Candidate, Shape::Rect { min, max });
-        }
-        scene.mark(Picture::CURRENT, Role::Candidate, Shape::Path { points: ends(last).to_vec(), closed: false });
-        scene.legend(Role::Candidate, "windows compared");
-    }
-}
-
-impl Level {
-    /// Returns the pixel of a row-major index.
-    fn place(&self, index: u32) -> (usize, usize) {
-        let width = self.of.picture.width();
-        (index as usize % width, index as usize / width)
-    }
-
-    /// Returns the position in the frame of a row-major index.
-    fn in_frame(&self, index: u32) -> [f32; 2] {
-        let (x, y) = self.place(index);
-        self.of.in_frame([x as f32, y as f32])
-    }
-
-    /// Returns the response of a corner.
-    fn response(&self, index: u32) -> f32 {
-        self.ranked.iter().find(|(place, _)| *place == index).map_or(f32::NAN, |(_, response)| *response)
     }
 }
 
