@@ -264,7 +264,10 @@ impl<'a> Reader<'a> {
         let Some(next) = self.take() else { return Err(self.wrong("something is missing at its end")) };
         let is_apart = follows && self.scripts == 0;
         let between = |sign: &str| Math::text(if is_apart { format!(" {sign} ") } else { sign.to_owned() });
+        // A line that goes on with what stands above it begins with one.
+        let begins = self.depth == 1 && !follows && self.text[..self.at - next.len_utf8()].trim().is_empty();
         Ok(match next {
+            '=' | '<' | '>' | '≤' | '≥' | '≈' | '→' | '←' if begins => Math::text(format!("{next} ")),
             '\\' => return self.command(follows),
             '{' => {
                 let inner = self.row(&["}"])?;
@@ -503,13 +506,14 @@ mod tests {
 
     #[test]
     fn formulas_of_the_course_are_read() {
-        assert_eq!(plain("I_x u + I_y v + I_t = 0"), "I_xu + I_yv + I_t = 0");
+        assert_eq!(plain("I_x u + I_y v + I_t = 0"), "I_x u + I_y v + I_t = 0");
         assert_eq!(plain(r"\frac{\partial I}{\partial x} = -\lambda"), "(∂I)/(∂x) = −λ");
         assert_eq!(plain(r"E = \sum_{(x,y) \in B} |I - J|^2"), "E = Σ_(x, y) ∈ B |I − J|^2");
         assert_eq!(plain(r"\begin{pmatrix} \sum I_x^2 & 0 \\ 0 & 1 \end{pmatrix} \mathbf{d}"), "[Σ I_x^2, 0; 0, 1]d");
         assert_eq!(plain(r"\hat{\mathbf{x}} = \bar{u} - \sqrt{\alpha^2}"), "x\u{302} = u\u{304} − √(α^2)");
         assert_eq!(plain("I_{t+1}(x + u)"), "I_t+1(x + u)");
-        assert_eq!(plain(r"\mathbf{P}^- = \mathbf{F} \mathbf{P} \mathbf{F}^\top"), "P^− = FPF^T");
+        assert_eq!(plain("= -2"), "= −2", "a line that goes on");
+        assert_eq!(plain(r"\mathbf{P}^- = \mathbf{F} \mathbf{P} \mathbf{F}^\top"), "P⁻ = FPF^T");
     }
 
     #[test]

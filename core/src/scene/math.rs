@@ -115,7 +115,15 @@ impl Math {
             Math::Text(text, _) => text.clone(),
             Math::Value(value, style) => style.text(value),
             Math::Var(name) | Math::Bold(name) => (*name).into(),
-            Math::Row(parts) => parts.iter().map(Math::plain).collect(),
+            Math::Row(parts) => {
+                let words = parts.iter().map(Math::plain).enumerate().map(|(i, word)| {
+                    // Without a space the letter would be a part of the index before it.
+                    let is_apart =
+                        i > 0 && matches!(parts[i - 1], Math::Sub(..)) && word.starts_with(char::is_alphabetic);
+                    if is_apart { format!(" {word}") } else { word }
+                });
+                words.collect()
+            }
             Math::Sub(base, index) => format!("{}_{}", base.plain(), index.plain()),
             Math::Sup(base, exponent) => {
                 self.prediction().unwrap_or_else(|| format!("{}^{}", base.plain(), exponent.plain()))

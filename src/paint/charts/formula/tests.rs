@@ -213,7 +213,7 @@ fn a_letter_with_a_minus_sign_is_a_symbol_of_its_own() {
         let formula = set(&Math::power(Math::Bold("P"), Math::text(exponent)), 1000.0);
         formula.symbols.into_iter().map(|(_, name)| name).collect::<Vec<_>>()
     };
-    assert_eq!((names("−"), names("2")), (vec!["P^−".to_owned(), "P".to_owned()], vec!["P".to_owned()]));
+    assert_eq!((names("−"), names("2")), (vec!["P⁻".to_owned(), "P".to_owned()], vec!["P".to_owned()]));
 }
 
 #[test]
