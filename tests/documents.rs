@@ -12,7 +12,8 @@ fn documents() -> Vec<(PathBuf, String)> {
     let in_docs = std::fs::read_dir(root().join("docs")).expect("the folder of the documents");
     let at_root = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md"].map(|name| root().join(name));
     let paths = in_docs.map(|entry| entry.expect("a document").path()).chain(at_root);
-    paths.map(|path| (path.clone(), std::fs::read_to_string(&path).expect("a text"))).collect()
+    let are_texts = paths.filter(|path| path.extension().is_some_and(|ending| ending == "md"));
+    are_texts.map(|path| (path.clone(), std::fs::read_to_string(&path).expect("a text"))).collect()
 }
 
 /// The targets of the links and pictures of a text.

@@ -19,7 +19,7 @@ variables! { pub(crate) mod value;
     LAMBDA_2: "Eigenvalue λ₂", r"\lambda_2", Unit::RESPONSE;
     /// The corner response.
     RESPONSE: "Response R", "R", Unit::RESPONSE, Role::Result;
-    /// The eigenvalue below which noise alone may be the gradient.
+    /// Below this eigenvalue, noise alone may be the gradient.
     FLAT_LIMIT: "", "", Unit::RESPONSE;
     /// The smallest response of a corner.
     THRESHOLD: "Threshold", "", Unit::RESPONSE;

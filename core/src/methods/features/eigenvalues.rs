@@ -19,7 +19,7 @@ pub(super) struct Pixel {
     pub eigenvalues: [f32; 2],
     /// The threshold of the response, once it is known.
     pub threshold: Option<f32>,
-    /// The eigenvalue below which noise alone may be the gradient.
+    /// Below this eigenvalue, noise alone may be the gradient.
     pub flat: f32,
 }
 

@@ -115,7 +115,7 @@ variables! { pub(in super::super) mod value;
     VELOCITY_LIKELIHOOD: "", r"\ln \Lambda_1", Unit::FINE;
     /// The natural logarithm of the likelihood of the measurement under the coordinated turn.
     TURN_LIKELIHOOD: "", r"\ln \Lambda_2", Unit::FINE;
-    /// The difference of both log-likelihoods.
+    /// The log-likelihood of one model minus that of the other.
     LIKELIHOOD_RATIO: "", r"\ln \Lambda_2 - \ln \Lambda_1", Unit::FINE;
     /// The probability of the more likely mode.
     BETTER: "", "", Unit::RATIO;
