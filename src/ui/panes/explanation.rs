@@ -499,25 +499,11 @@ fn in_numbers(formula: &[Math], mut kept: usize) -> Vec<Math> {
     brief
 }
 
-/// What stands before the first "=" of a line of symbols; `None` for a line with numbers.
+/// What stands before the first "=" of a line of symbols; `None` for a line with values.
 fn result_of_symbols(line: &Math) -> Option<Math> {
     let Math::Row(parts) = line else { return None };
     let at = parts.iter().position(|part| matches!(part, Math::Text(text, _) if text.trim() == "="))?;
-    (at > 0 && !parts[at..].iter().any(has_number)).then(|| Math::Row(parts[..at].to_vec()))
-}
-
-/// Whether there is a number that is no index and no exponent.
-fn has_number(math: &Math) -> bool {
-    match math {
-        Math::Text(text, _) => text.contains(|c: char| c.is_ascii_digit()),
-        Math::Value(..) => true,
-        Math::Var(_) | Math::Bold(_) | Math::Sum(_) => false,
-        Math::Row(parts) => parts.iter().any(has_number),
-        Math::Sub(base, _) | Math::Sup(base, _) => has_number(base),
-        Math::Frac(top, bottom) => has_number(top) || has_number(bottom),
-        Math::Abs(inner) | Math::Sqrt(inner) | Math::Bar(inner) | Math::Hat(inner) => has_number(inner),
-        Math::Matrix(rows) => rows.iter().flatten().any(has_number),
-    }
+    (at > 0 && line.values().is_empty()).then(|| Math::Row(parts[..at].to_vec()))
 }
 
 /// How high the parts are; where one reaches into the next beside it, or beyond `width`, they do not fit at all.
@@ -614,8 +600,14 @@ fn hold(ui: &mut Ui, height: &mut f32, at_end: bool, add: impl FnOnce(&mut Ui)) 
 #[cfg(test)]
 mod tests {
     use eframe::egui::pos2;
+    use motionscope_core::scene::{Name, Unit};
 
     use super::*;
+
+    motionscope_core::variables! {
+        /// A result.
+        RESULT: "Result", "u", Unit::WHOLE;
+    }
 
     #[test]
     fn a_column_begins_with_a_formula_and_not_with_its_numbers() {
@@ -626,12 +618,12 @@ mod tests {
 
     #[test]
     fn a_brief_formula_gives_the_numbers_of_its_symbols() {
-        let symbols = Math::Row(vec![Math::Var("u"), Math::text(" = "), Math::squared(Math::Var("a"))]);
-        let numbers = Math::Row(vec![Math::Var("w"), Math::text(" = "), Math::text("3 − 2")]);
-        let lines = [symbols, Math::text("= 9"), numbers, Math::text("= 1")];
-        let brief = |kept| in_numbers(&lines, kept).iter().map(Math::plain).collect::<Vec<_>>();
-        assert_eq!(brief(0), ["u = 9", "w = 3 − 2", "= 1"]);
-        assert_eq!(brief(1), ["u = a^2", "= 9", "w = 3 − 2", "= 1"], "the first symbols stay");
+        let step = Step::at(Name::new(b"test")).put(value::RESULT, 9);
+        let step = step.formula("u = 2 a^2").formula("= {result}").formula("w = {result} − 2").formula("= {result}");
+        let lines = step.formulas();
+        let brief = |kept| in_numbers(lines, kept).iter().map(Math::plain).collect::<Vec<_>>();
+        assert_eq!(brief(0), ["u = 9", "w = 9 − 2", "= 9"]);
+        assert_eq!(brief(1), ["u = 2a^2", "= 9", "w = 9 − 2", "= 9"], "the first symbols stay");
     }
 
     #[test]
