@@ -10,10 +10,10 @@ use crate::data::{Clip, Frame, Mask, PackedMask};
 use crate::geometry::{Bounds, Gray, Grid};
 use crate::methods::contour::explain::value as shared;
 use crate::methods::contour::{LEAST_AREA_PX, Placement, filled};
-use crate::methods::region::{LOST, RegionModel, Settings, Similarity, WHERE};
+use crate::methods::region::{LOST, Refusal, RegionModel, Settings, Similarity, WHERE};
 use crate::products::{MaskField, Product, ProductKind, Region, RegionField, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Chart, Name, Question, Sentence};
+use crate::scene::{Chart, Name, Question};
 use crate::{params, pseudocode};
 
 use explain::{case, value};
@@ -292,10 +292,10 @@ impl RegionModel for ChanVese {
         self.placement.placed(picture)
     }
 
-    fn refuse(&self, frame: &Frame, region: Region) -> Option<Sentence> {
+    fn refuse(&self, frame: &Frame, region: Region) -> Option<Refusal> {
         let [low, high] = Field::around(frame.luma(), region.bounds(), self.margin).range;
         let limits = [shared::GRAY_RANGE.is(high - low), shared::LEAST_GRAY_RANGE.is(LEAST_LEVELS)];
-        (high - low < LEAST_LEVELS).then(|| Sentence::default().say(case::ALIKE, &limits))
+        (high - low < LEAST_LEVELS).then(|| (case::ALIKE, limits.into()))
     }
 
     fn begin(&self, frame: &Arc<Frame>, region: Region, observer: &mut impl Observer<Event>) -> (Model, f32) {

@@ -14,10 +14,10 @@ use rustfft::num_complex::Complex;
 use crate::base::{LANES, Observer, effort};
 use crate::data::{Clip, Frame};
 use crate::geometry::{Border, Gray, Grid};
-use crate::methods::region::{LOST, RegionModel, Settings, Similarity, WHERE};
+use crate::methods::region::{LOST, Refusal, RegionModel, Settings, Similarity, WHERE};
 use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Chart, Name, Question, Reply, Sentence, Step};
+use crate::scene::{Chart, Name, Question, Reply};
 use crate::{params, pseudocode};
 
 use appearance::{Appearance, Evidence};
@@ -394,12 +394,12 @@ impl RegionModel for CorrelationFilter {
         &self.settings
     }
 
-    fn refuse(&self, frame: &Frame, region: Region) -> Option<Sentence> {
+    fn refuse(&self, frame: &Frame, region: Region) -> Option<Refusal> {
         let size = self.window_of(region);
         let deviation = deviation(&levels(frame.luma(), origin(region.center, size), size));
-        let step = Step::at(line::CHOOSE).put(value::WIDTH, size.0).put(value::HEIGHT, size.1);
-        let step = step.put(value::DEVIATION, deviation).put(value::LEAST_DEVIATION, LEAST_DEVIATION);
-        (deviation < LEAST_DEVIATION).then(|| step.say(case::REFUSED).sentence)
+        let size = [value::WIDTH.is(size.0), value::HEIGHT.is(size.1)];
+        let deviations = [value::DEVIATION.is(deviation), value::LEAST_DEVIATION.is(LEAST_DEVIATION)];
+        (deviation < LEAST_DEVIATION).then(|| (case::REFUSED, [size, deviations].concat()))
     }
 
     fn begin(&self, frame: &Arc<Frame>, region: Region, observer: &mut impl Observer<Event>) -> (Model, f32) {

@@ -10,10 +10,10 @@ use std::sync::Arc;
 
 use crate::base::Observer;
 use crate::data::{Clip, Frame, Pose};
-use crate::methods::region::{LOST, RegionModel, Settings, Similarity, WHERE};
+use crate::methods::region::{LOST, Refusal, RegionModel, Settings, Similarity, WHERE};
 use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Chart, Name, Question, Sentence};
+use crate::scene::{Chart, Name, Question};
 use crate::{choices, params, pseudocode};
 
 use account::Past;
@@ -276,13 +276,13 @@ impl RegionModel for Rapid {
         &self.settings
     }
 
-    fn refuse(&self, frame: &Frame, region: Region) -> Option<Sentence> {
+    fn refuse(&self, frame: &Frame, region: Region) -> Option<Refusal> {
         let view = self.placed_in(region, frame.size());
         let sought = self.edges_of(frame, &view);
         let (found, all) = (value::MATCHED.is(matched(&sought)), value::CONTROL_POINTS.is(sought.len()));
         let numbers = [found, all, value::SEARCH_RANGE.is(self.search_range)];
         let motion = solution(&equations(&sought, &view.sight()));
-        motion.is_none().then(|| Sentence::default().say(case::REFUSED, &numbers))
+        motion.is_none().then(|| (case::REFUSED, numbers.into()))
     }
 
     fn begin(&self, frame: &Arc<Frame>, region: Region, observer: &mut impl Observer<Event>) -> (Model, f32) {

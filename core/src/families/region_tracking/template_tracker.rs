@@ -10,11 +10,11 @@ use std::sync::Arc;
 use crate::base::{Observer, effort};
 use crate::data::{Clip, Frame};
 use crate::methods::alignment::{Compared, composed, solve};
-use crate::methods::region::{LOST, RegionModel, Settings, Similarity, WHERE};
+use crate::methods::region::{LOST, Refusal, RegionModel, Settings, Similarity, WHERE};
 use crate::products::model::Matrix3;
 use crate::products::{Model as Group, Region, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Chart, Name, Question, Reply, Sentence};
+use crate::scene::{Chart, Name, Question, Reply};
 use crate::{choices, params, pseudocode};
 
 use template::{Pyramid, Template, farthest, pyramid, region_of, stretch};
@@ -374,12 +374,11 @@ impl RegionModel for TemplateTracker {
         &self.settings
     }
 
-    fn refuse(&self, frame: &Frame, region: Region) -> Option<Sentence> {
+    fn refuse(&self, frame: &Frame, region: Region) -> Option<Refusal> {
         let group = self.warp.group();
         let template = Template::first(&pyramid(frame.luma(), 1), region, group);
         let is_regular = solve(&template.levels[0].hessian, &vec![0.0; group.freedom()]).is_some();
-        let told = || Sentence::default().say(case::SINGULAR_TEMPLATE, &[value::PARAMETERS.is(group.freedom())]);
-        (!is_regular).then(told)
+        (!is_regular).then(|| (case::SINGULAR_TEMPLATE, vec![value::PARAMETERS.is(group.freedom())]))
     }
 
     fn begin(&self, frame: &Arc<Frame>, region: Region, observer: &mut impl Observer<Event>) -> (Model, f32) {

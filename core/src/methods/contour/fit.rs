@@ -6,11 +6,11 @@ use super::{Model, Point, Snake};
 use crate::base::{Error, Observer};
 use crate::data::{Clip, Frame, PackedMask};
 use crate::geometry::Bounds;
-use crate::methods::region::{RegionModel, Settings, Similarity};
+use crate::methods::region::{Refusal, RegionModel, Settings, Similarity};
 use crate::params::Params;
 use crate::products::{MaskField, Product, ProductKind, Region, RegionField, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Chart, Name, Question, Sentence};
+use crate::scene::{Chart, Name, Question};
 
 /// A closed curve of points that is fitted to the edges of each frame, from where it was in the frame before.
 pub trait Fit: Params + Default + Clone + Send + Sync + 'static {
@@ -62,7 +62,7 @@ impl<T: Fit> RegionModel for T {
         self.snake().placement.placed(picture)
     }
 
-    fn refuse(&self, frame: &Frame, region: Region) -> Option<Sentence> {
+    fn refuse(&self, frame: &Frame, region: Region) -> Option<Refusal> {
         self.snake().refuse(frame, region)
     }
 

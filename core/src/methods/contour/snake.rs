@@ -4,9 +4,9 @@ use super::explain::{case, value};
 use super::{Edges, LEAST_AREA_PX, Placement, Point};
 use crate::data::Frame;
 use crate::geometry::polygon;
+use crate::methods::region::Refusal;
 use crate::params;
 use crate::products::Region;
-use crate::scene::Sentence;
 
 params! {
     /// The parameters of all contours that edges attract.
@@ -67,7 +67,7 @@ impl Snake {
     }
 
     /// Why the region of the first frame has no edge around it, if that is so.
-    pub(crate) fn refuse(&self, frame: &Frame, region: Region) -> Option<Sentence> {
+    pub(crate) fn refuse(&self, frame: &Frame, region: Region) -> Option<Refusal> {
         let (luma, bounds) = (frame.luma(), region.bounds());
         let side = |i: usize, extent: usize| {
             let margin = self.margin as f32;
@@ -79,8 +79,8 @@ impl Snake {
         let [low, high] = levels.fold([u8::MAX, 0], |[low, high], level| [low.min(*level), high.max(*level)]);
         let range = high.saturating_sub(low);
         (range < LEAST_GRAY_RANGE).then(|| {
-            let limits = [value::GRAY_RANGE.is(range), value::LEAST_GRAY_RANGE.is(LEAST_GRAY_RANGE)];
-            Sentence::default().say(case::WITHOUT_EDGES, &limits)
+            let limits = vec![value::GRAY_RANGE.is(range), value::LEAST_GRAY_RANGE.is(LEAST_GRAY_RANGE)];
+            (case::WITHOUT_EDGES, limits)
         })
     }
 }

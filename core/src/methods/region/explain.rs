@@ -58,7 +58,10 @@ impl<T: Explained> RegionTracking<T> {
         let step = match event {
             Event::Chosen => chosen(state, step),
             Event::Refused => match state.refusal.as_deref() {
-                Some(why) => step.say(case::REFUSED).tell(why.clone()).say(case::RUN_ENDS),
+                Some((why, values)) => {
+                    let step = values.iter().cloned().fold(step.say(case::REFUSED), Step::put_value);
+                    step.say(why).say(case::RUN_ENDS)
+                }
                 None => step,
             },
             Event::Waiting => step.say(case::WAITING),
@@ -196,7 +199,7 @@ fn error_of_last<T: Explained>(seen: &Seen<RegionTracking<T>>) -> Option<RegionE
     after.field().error_of(seen.clip, after.past.len().checked_sub(1)?).ok().flatten()
 }
 
-/// What the ground truth says of the object in the frame that has just ended.
+/// The visibility of the object by the ground truth in the frame that has just ended.
 fn sight<T: Explained>(seen: &Seen<RegionTracking<T>>) -> Option<Sight> {
     let after = seen.after?;
     after.field().sight(seen.clip, after.past.len().checked_sub(1)?).ok().flatten()

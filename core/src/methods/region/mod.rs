@@ -20,14 +20,14 @@ pub use ending::{Ending, Loss, Outcome};
 pub use start::Settings;
 use start::{Chosen, Restarts, choose};
 pub(crate) use start::{LOST, WHERE, line};
-pub use tracker::{At, Explained, RegionModel, Similarity};
+pub use tracker::{At, Explained, Refusal, RegionModel, Similarity};
 
 use crate::base::{Error, Mapped, Observer};
 use crate::data::{Clip, Frame};
 use crate::params::inner_params;
 use crate::products::{MaskField, ObjectFrame, Output, Product, ProductKind, Region, RegionField, RegionFrame};
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Progress, Seen, Span, need};
-use crate::scene::{Chart, Name, Question, Role, Scene, Sentence, Step};
+use crate::scene::{Chart, Name, Question, Role, Scene, Step};
 
 /// The estimator that tracks a region by the model `T`.
 #[derive(Clone, Debug, Default)]
@@ -44,7 +44,7 @@ pub struct State<M> {
     picture: (usize, usize),
     chosen: Arc<Chosen>,
     /// Why the region cannot be tracked, if it cannot: the run ends with the first frame.
-    refusal: Option<Arc<Sentence>>,
+    refusal: Option<Arc<Refusal>>,
     /// The model, from the first frame on.
     model: Option<Arc<M>>,
     /// The region of the last frame.

@@ -10,7 +10,7 @@ use crate::geometry::Bounds;
 use crate::params::Params;
 use crate::products::{Product, ProductKind, Region, RegionField, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Chart, Name, Question, Scene, Sentence, Step};
+use crate::scene::{Case, Chart, Name, Question, Scene, Step, Value};
 
 /// The quantity by which a tracker judges its match.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +26,9 @@ pub struct Similarity {
     /// What has a high one too, without being the object, as the subject of a sentence.
     pub shared_by: &'static str,
 }
+
+/// Why a region cannot be tracked: the case, and the values that it tells.
+pub type Refusal = (&'static Case, Vec<Value>);
 
 /// A tracker of one region: a model of its appearance, and the search for it.
 pub trait RegionModel: Params + Default + Clone + Send + Sync + 'static {
@@ -57,8 +60,8 @@ pub trait RegionModel: Params + Default + Clone + Send + Sync + 'static {
         Ok(self.settings().region)
     }
 
-    /// Why a region of the first frame cannot be tracked, as a sentence with its number, if it cannot.
-    fn refuse(&self, _frame: &Frame, _region: Region) -> Option<Sentence> {
+    /// Why a region of the first frame cannot be tracked, if it cannot.
+    fn refuse(&self, _frame: &Frame, _region: Region) -> Option<Refusal> {
         None
     }
 

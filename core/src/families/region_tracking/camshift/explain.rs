@@ -2,8 +2,10 @@
 
 use super::vocabulary::{case, value};
 use super::{Background, Bins, Camshift, Event, Model, Resized, Shift};
+use crate::base::words::further_digits;
 use crate::data::Frame;
 use crate::geometry::{Bounds, Grid};
+use crate::methods::numbers::finer;
 use crate::methods::region::color::Area;
 use crate::methods::region::vocabulary::{case as shared, value as shared_value};
 use crate::methods::region::{At, Ending, Explained, Outcome, plots};
@@ -159,7 +161,17 @@ impl Camshift {
             () => case::FILLED,
         });
         let Some([xx, xy, yy]) = moments.covariance() else { return step };
-        let step = step.fact(value::VARIANCE_X, xx).fact(value::VARIANCE_Y, yy).fact(value::COVARIANCE, xy);
+        let terms = |further: usize| {
+            let all = [(value::VARIANCE_X, xx), (value::VARIANCE_Y, yy), (value::COVARIANCE, xy)];
+            all.map(|(of, number)| finer(of, number, further))
+        };
+        let further = further_digits(|further| {
+            let [xx, yy, xy] = terms(*further).map(|term| term.rounded().unwrap_or(f64::NAN));
+            let angle = (2.0 * xy).atan2(xx - yy) / 2.0;
+            value::AXIS_ANGLE.is(angle.to_degrees()).rounded()
+                == value::AXIS_ANGLE.is(region.angle_rad.to_degrees()).rounded()
+        });
+        let step = terms(further).into_iter().fold(step, Step::fact_of);
         step.formula(r"\theta = \text{½ atan2}(2 \sigma_{xy}, \sigma_{xx} - \sigma_{yy})")
             .formula(r"\theta = \text{½ atan2}(2 \cdot {covariance}, {variance_x} - {variance_y}) = {axis_angle:unit}")
     }

@@ -81,8 +81,6 @@ cases! { pub(super) over value, shared;
              alone.",
     SHRUNK: "A part of the object is nearer to the mean outside than to the mean inside. An active contour works where edges separate regions of equal \
              mean.",
-    UNKNOWN: "Without ground truth it is not known whether the contour is on the object. Anything as bright as the object that touches it becomes a \
-              part of it.",
     ASTRAY: "Something as bright as the object touched it, or its surroundings came near its mean. A correlation filter or mean shift is not attracted \
              by gray levels alone.",
 }
@@ -144,8 +142,7 @@ impl Explained for ChanVese {
             Outcome::Followed => case::HELD,
             Outcome::Grown => case::MERGED,
             Outcome::Shrunk => case::SHRUNK,
-            Outcome::Unknown => case::UNKNOWN,
-            Outcome::Regained | Outcome::Beside | Outcome::Lost => case::ASTRAY,
+            Outcome::Regained | Outcome::Beside | Outcome::Lost | Outcome::Unknown => case::ASTRAY,
         })
     }
 }

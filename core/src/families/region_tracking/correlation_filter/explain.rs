@@ -94,7 +94,7 @@ impl Explained for CorrelationFilter {
     }
 
     fn advise(&self, ending: Ending, _at: &At<'_, Self>, step: Step) -> Step {
-        step.put(value::HIDDEN, ending.hidden).say(match ending.outcome {
+        step.say(match ending.outcome {
             Outcome::Followed => case::FOLLOWED,
             Outcome::Regained => case::REGAINED,
             Outcome::Grown | Outcome::Shrunk => case::RESIZED,

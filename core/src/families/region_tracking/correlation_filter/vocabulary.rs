@@ -1,5 +1,6 @@
 //! The values and the cases of the correlation filter.
 
+use crate::methods::region::vocabulary::value as region;
 use crate::scene::{Role, Unit};
 
 crate::variables! { pub(super) mod value;
@@ -41,11 +42,9 @@ crate::variables! { pub(super) mod value;
     SURROUNDINGS: "ρ of gray levels, surroundings", r"\rho", Unit::RATIO;
     /// The share of the newest frame in the filter.
     LEARNING_RATE: "Learning rate", r"\eta", Unit::RATIO;
-    /// The number of frames in which the object was hidden.
-    HIDDEN: "Hidden", "", Unit::count("frame");
 }
 
-crate::cases! { pub(super) over value;
+crate::cases! { pub(super) over value, region;
     SIZE: "{width:bare}×{height}",
     REFUSED: "the gray levels of its window of {width:bare}×{height} have a standard deviation of {deviation} under the window function, \
               below {least_deviation}, and without texture there is nothing to correlate with.",

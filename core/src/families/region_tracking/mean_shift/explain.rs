@@ -133,7 +133,8 @@ impl Explained for MeanShift {
 impl MeanShift {
     fn shifted(&self, step: Step, shift: &Shift) -> Step {
         let Some(to) = shift.to else { return step.say(case::NO_WEIGHT) };
-        let step = step.put(value::MEAN, to).put(value::SHIFT_LENGTH, shift.length());
+        let step =
+            step.put(value::MEAN, to).put(value::SHIFT_LENGTH, shift.length()).put(value::SHIFTS, shift.iteration);
         let step = step.put(value::EPSILON, self.epsilon).put(value::ITERATIONS, self.iterations).say(case::SHIFTED);
         let step = step.say(if shift.length() < self.epsilon {
             case::CONVERGED

@@ -13,7 +13,9 @@ crate::variables! { pub(super) mod value;
     /// The size that is tried.
     SIZE: "Size", "h", Unit::WHOLE;
     /// The number of the shift.
-    ITERATION: "Shift", "", Unit::count("shift");
+    ITERATION: "Shift", "", Unit::WHOLE;
+    /// The number of shifts until the iteration has converged.
+    SHIFTS: "", "", Unit::count("shift");
     /// The centre of the ellipse.
     CENTER: "", r"\mathbf{y}", Unit::PX;
     /// The Bhattacharyya coefficient of the histograms of ellipse and model.
@@ -59,7 +61,7 @@ crate::cases! { pub(super) over value, region;
              its colour.",
     NO_WEIGHT: "All weights are 0: none of the pixels of the ellipse has a colour of the model, so there is no shift.",
     SHIFTED: "The weighted mean of the pixels lies at {mean}: a shift of {shift_length},",
-    CONVERGED: "shorter than ε = {epsilon}. Converged after {iteration}.",
+    CONVERGED: "shorter than ε = {epsilon}. Converged after {shifts}.",
     EXHAUSTED: "not shorter than ε = {epsilon}, but the limit of {iterations} is reached.",
     NOT_CONVERGED: "not shorter than ε = {epsilon}, so the ellipse moves there and the weights are computed anew.",
     SIZES: "ρ is {present} with the present size, {smaller} with the smaller and {larger} with the larger one. The best is the {best_size}",

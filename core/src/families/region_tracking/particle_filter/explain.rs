@@ -6,6 +6,7 @@ use super::vocabulary::{case, value};
 use super::wheel::wheel;
 use super::{Event, ParticleFilter, Resampled, Resampling, Weighed};
 use crate::methods::kalman;
+use crate::methods::region::vocabulary::case as shared;
 use crate::methods::region::{At, Ending, Explained, Outcome, plots};
 use crate::products::Region;
 use crate::scene::{Arrow, Picture, Readout, Role, Scene, Shape, Step};
@@ -58,7 +59,7 @@ impl Explained for ParticleFilter {
     }
 
     fn advise(&self, ending: Ending, at: &At<'_, Self>, step: Step) -> Step {
-        step.put(value::HIDDEN, ending.hidden).say(match ending.outcome {
+        step.say(match ending.outcome {
             _ if are_outside(at) => case::ALL_OUTSIDE,
             Outcome::Followed if ending.hidden > 0 => case::FOLLOWED_HIDDEN,
             Outcome::Followed => case::FOLLOWED,
@@ -74,14 +75,12 @@ impl ParticleFilter {
     fn told(&self, at: &At<'_, Self>, step: Step) -> Step {
         match at.event {
             Event::Modelled(histogram) => {
-                let step =
-                    step.put(value::BINNING, histogram.binning.name()).put(value::BINS, histogram.binning.count());
-                let step = step.put(value::FILLED, histogram.support.len()).say(case::MODELLED);
+                let step = plots::put_bins(step, histogram).say(case::MODELLED);
                 let bins = histogram.largest(plots::BARS);
                 let line = plots::bars(bins.iter().map(|bin| histogram.shares[*bin]));
                 let axes = ["largest bins of the model", "share"];
                 let chart = plots::histograms("Colour histogram", axes, vec![("model q", Role::Reference, line)]);
-                step.say_if(histogram.support.len() == 1, case::FLAT).show(Readout::Series(chart))
+                step.say_if(histogram.is_flat(), shared::FLAT).show(Readout::Series(chart))
             }
             Event::Scattered(particles) => spread(step, particles).say(case::SCATTERED),
             Event::Predicted(particles) => {

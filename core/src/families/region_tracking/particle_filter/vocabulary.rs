@@ -1,14 +1,9 @@
 //! The values and the cases of the particle filter.
 
+use crate::methods::region::vocabulary::value as region;
 use crate::scene::{Decimals, Role, Unit};
 
 crate::variables! { pub(super) mod value;
-    /// The colour space of the histogram.
-    BINNING: "Colour space", "", Unit::WHOLE;
-    /// The number of bins with a share.
-    FILLED: "Filled bins", "", Unit::WHOLE;
-    /// The number of bins.
-    BINS: "Bins", "", Unit::WHOLE;
     /// The number of particles.
     PARTICLES: "Particles", "N", Unit::count("particle"), Role::Predicted;
     /// The standard deviations of the positions of the particles along x and y.
@@ -50,15 +45,12 @@ crate::variables! { pub(super) mod value;
     /// The number of particles with a copy.
     DISTINCT: "Distinct particles", "", Unit::WHOLE, Role::Best;
     /// The number of copies of the particle with the most.
-    MOST_COPIES: "Most copies", "", Unit::WHOLE;
-    /// The number of frames in which the object was hidden.
-    HIDDEN: "Hidden", "", Unit::count("frame");
+    MOST_COPIES: "Most copies", "", Unit::count("copy");
 }
 
-crate::cases! { pub(super) over value;
+crate::cases! { pub(super) over value, region;
     MODELLED: "The {reference|model q} is the {binning} histogram of the ellipse, weighted by the Epanechnikov kernel: {filled} of {bins} \
                bins are filled.",
-    FLAT: "A flat region in one bin stands out only where its surroundings have other bins.",
     SCATTERED: "{particles} around the centre of the region, standard deviations {deviations}. Each is a hypothesis of position, velocity \
                 and scale.",
     PREDICTED: "Prediction: each particle moves with its velocity and a random acceleration of standard deviation {process_noise}. \
@@ -79,7 +71,7 @@ crate::cases! { pub(super) over value;
                  each equally spaced pointer copies the particle on its arc.",
     MULTINOMIAL: "Multinomial resampling: an arc of the wheel is as long as the weight of its particle (light neighbours share one), and \
                   each random pointer copies the particle on its arc.",
-    SURVIVORS: "{distinct} {best|distinct particles of} {particles:bare} {best|survive}, the heaviest with {most_copies} copies.",
+    SURVIVORS: "{distinct} {best|distinct particles of} {particles:bare} {best|survive}, the heaviest with {most_copies}.",
     IMPOVERISHED: "So few distinct ones are an impoverishment of the cloud; the process noise has to spread it again.",
     EQUAL_WEIGHTS: "All have equal weights now.",
     WEIGHTLESS: ": no particle has a weight above 0",

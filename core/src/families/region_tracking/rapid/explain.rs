@@ -6,6 +6,7 @@ use super::vocabulary::{case, value};
 use super::{End, Event, Iteration, Judged, Model, Motion, Prediction, Rapid, Solid, View, Weighting};
 use crate::data::Pose;
 use crate::geometry::{Bounds, Grid};
+use crate::methods::region::vocabulary::case as shared;
 use crate::methods::region::{At, Ending, Explained, Outcome};
 use crate::scene::{Arrow, Case, Matrix, Picture, Readout, Role, Scene, Series, Shape, Step};
 
@@ -44,7 +45,7 @@ impl Explained for Rapid {
             Event::Predicted([before, after]) => {
                 let is_first = at.model.is_some_and(|model| model.motion == Motion::default());
                 let motion = before.pose.motion_to(&after.pose);
-                let step = motion_put(pose_facts(step, Role::Predicted, &after.pose), Role::Predicted, &motion);
+                let step = put_motion(pose_facts(step, Role::Predicted, &after.pose), Role::Predicted, &motion);
                 step.say(if is_first { case::NO_MOTION } else { case::PREDICTED }).show(Readout::Matrices(vec![
                     pose_matrix("last pose", Role::Reference, &before.pose),
                     pose_matrix("predicted pose", Role::Predicted, &after.pose),
@@ -108,7 +109,7 @@ impl Explained for Rapid {
 
     fn tell_caveat(&self, at: &At<'_, Self>, step: Step) -> Step {
         match error(at).filter(PoseError::is_wrong) {
-            Some(error) => error_put(step, &error).say(case::WRONG_POSE),
+            Some(error) => put_error(step, &error).say(case::WRONG_POSE),
             None => step,
         }
     }
@@ -123,7 +124,7 @@ impl Explained for Rapid {
         });
         // A wrong pose has its own sentence above.
         match error(at).filter(|error| !error.is_wrong()) {
-            Some(error) => error_put(step, &error).say(case::LAST_POSE),
+            Some(error) => put_error(step, &error).say(case::LAST_POSE),
             None => step,
         }
     }
@@ -144,7 +145,7 @@ impl Rapid {
         let Some((motion, pose, moved)) = &iteration.moved else {
             return step.say(case::UNDETERMINED).formula(formula).show(Readout::Matrices(vec![matrix]));
         };
-        let step = motion_put(pose_facts(step, Role::Estimate, pose), Role::Estimate, motion);
+        let step = put_motion(pose_facts(step, Role::Estimate, pose), Role::Estimate, motion);
         let is_held = view.sight().axis.is_some();
         let step = step.say(match self.weighting {
             Weighting::Equal => case::EQUAL,
@@ -230,13 +231,13 @@ fn pose_facts(step: Step, role: Role, pose: &Pose) -> Step {
 }
 
 /// Adds the angle and the translation of a motion.
-fn motion_put(step: Step, role: Role, [rotation, shift]: &Motion) -> Step {
+fn put_motion(step: Step, role: Role, [rotation, shift]: &Motion) -> Step {
     let step = step.put_value(value::ROTATION.is(length(*rotation).to_degrees()).inked(role));
     step.put_value(value::SHIFT.is(*shift).inked(role))
 }
 
 /// Adds the errors of a pose.
-fn error_put(step: Step, error: &PoseError) -> Step {
+fn put_error(step: Step, error: &PoseError) -> Step {
     let step = step.put(value::ROTATION_ERROR, error.degrees).put(value::TRANSLATION_ERROR, error.mm);
     step.put(value::ERROR_SHARE, 100.0 * error.share)
 }
@@ -248,7 +249,7 @@ fn deviated(step: Step, covariance: &[f64]) -> Step {
     let step = step.fact(value::ROTATION_SIGMA, [a, b, c].map(f64::to_degrees));
     let step = step.fact(value::TRANSLATION_SIGMA, [x, y, z]).put(value::DEPTH_SIGMA, z);
     let step = step.put(value::LATERAL_SIGMA, x.max(y)).say(case::COVARIANCE);
-    step.say(if z > x.max(y) { case::DEPTH } else { case::END })
+    step.say(if z > x.max(y) { case::DEPTH } else { shared::END })
 }
 
 /// The error of a judged pose where the true one is known.

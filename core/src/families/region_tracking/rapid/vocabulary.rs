@@ -119,7 +119,6 @@ cases! { pub over value, region;
     COVARIANCE: "The covariance is the variance of the residuals times the inverse of the normal matrix, for independent errors of the edges: σ is \
                  {depth_sigma} along the optical axis and {lateral_sigma} across it",
     DEPTH: ", since a change of distance moves the edges least.",
-    END: ".",
     LOST_UNDETERMINED: "The edges do not determine a pose: {error|the object is lost}.",
     LOST_BEHIND: "A corner of the model lies behind the camera: {error|the object is lost}.",
     LOST_EDGES: "Share {share} < {min_share}: {error|the object is lost}.",

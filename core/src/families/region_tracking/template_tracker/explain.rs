@@ -91,7 +91,6 @@ impl Explained for TemplateTracker {
 
     fn advise(&self, ending: Ending, _at: &At<'_, Self>, step: Step) -> Step {
         let advice = match (ending.outcome, self.update, ending.loss) {
-            (Outcome::Unknown, ..) => case::UNJUDGED,
             (Outcome::Followed, Update::None, _) => case::FOLLOWED,
             (Outcome::Followed, Update::EveryFrame, _) => case::FOLLOWED_UPDATED,
             (Outcome::Followed, Update::Corrected, _) => case::FOLLOWED_CORRECTED,

@@ -88,7 +88,6 @@ crate::cases! { pub(super) over value, region;
     LOST_OUTSIDE: ": too little of the template lies inside the frame",
     LOST_WARP: ": the alignment has failed, since its warp changes a length too much",
     LOST_CORRELATION: ": the correlation is too low",
-    UNJUDGED: "Without ground truth drift is seen in the warped template alone: it should still show the object of the first frame.",
     FOLLOWED: "The first template fits the object in all frames, so nothing drifts. A change of its appearance would not be followed.",
     FOLLOWED_UPDATED: "Each frame gave the next template, so changes of appearance were followed. The errors of all frames add up to drift, \
                        which the correlation with the present template does not show.",
