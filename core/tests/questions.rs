@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use common::{clip_of, set};
 use motionscope_core::examples::{self, Example};
-use motionscope_core::scene::{Answer, Asked, Picture, Question, Scene, Shown, asked};
+use motionscope_core::scene::{Answer, Picture, Question, Scene, Shown, asked};
 use motionscope_core::{
     AnyEstimator, BlockField, Clip, Cursor, Direction, Move, Params as _, RegionField, Step, Threads, Walk, estimators,
     synth,
@@ -221,23 +221,6 @@ fn the_first_answer_of_a_run_needs_thought() {
         }
         assert!(needless > 0, "{id}: its first unit has no answer that could be asked for");
     }
-}
-
-/// The gain of a tracker is a value of its steps; half of the way is a case of its own.
-#[test]
-fn an_update_half_of_the_way_is_not_asked_for() {
-    let question = estimator_questions("kalman-tracker").iter().find(|of| of.id == "gain").expect("it is declared");
-    let Asked::Choice([above, below]) = question.asked else { panic!("two answers") };
-    let (gain, limit) = above.above.expect("the gain");
-    let scene = Scene::default();
-    let answer = |number: f64| {
-        let case = (number != 0.5).then_some(below.case).flatten();
-        let step = Step::at(above.line).put(gain, number);
-        let step = case.into_iter().fold(step, Step::say);
-        question.answer(Shown { step: &step, scene: &scene }, Shown { step: &step, scene: &scene })
-    };
-    assert_eq!(limit, 0.5);
-    assert_eq!([0.499, 0.5, 0.501].map(answer), [Some(Answer::Choice(1)), None, Some(Answer::Choice(0))]);
 }
 
 fn estimator_questions(id: &str) -> &'static [Question] {

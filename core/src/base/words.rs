@@ -67,11 +67,6 @@ fn superscript(digit: char) -> char {
     digit.to_digit(10).map_or('⁻', |digit| DIGITS[digit as usize])
 }
 
-/// A number with two decimals.
-pub fn fine(v: f32) -> String {
-    fixed(v.into(), 2)
-}
-
 /// A count with its noun: `1 frame`, `3 frames`, `3 matches`, `3 trajectories`, `3 maxima`.
 pub fn counted(count: usize, one: &str) -> String {
     if count == 1 { format!("1 {one}") } else { format!("{count} {}", plural(one)) }
@@ -151,7 +146,7 @@ pub fn whole_heading_deg(velocity: [f64; 2]) -> f64 {
 
 /// A position in px as text, to a hundredth of a px.
 pub fn place(at: [f32; 2]) -> String {
-    let [x, y] = at.map(fine);
+    let [x, y] = at.map(|c| fixed(c.into(), 2));
     // A no-break space.
     format!("({x},\u{a0}{y})")
 }
@@ -227,7 +222,6 @@ mod tests {
         assert_eq!([px(3.0), px(-0.25), px(-0.001), gray(-0.0625)], ["3", "−0.25", "0.00", "−0.06"]);
         assert_eq!([fixed(12_345.0, 0), fixed(-0.00056, 3), fixed(0.0098, 3)], ["12\u{202f}345", "−0.001", "0.010"]);
         assert_eq!([fixed(f64::NEG_INFINITY, 2), fixed(f64::NAN, 2)], ["−∞", "undefined"]);
-        assert_eq!([fine(1403.247), fine(-0.001), fine(-12.0)], ["1403.25", "0.00", "−12.00"]);
         let headings = [[2.0, 0.0], [0.0, -3.0], [-1.0, -0.0], [0.0, 4.0], [-9.0, -0.01]].map(whole_heading_deg);
         assert_eq!(headings, [0.0, -90.0, 180.0, 90.0, 180.0]);
         assert_eq!(place([126.737, -3.0]), "(126.74,\u{a0}−3.00)");

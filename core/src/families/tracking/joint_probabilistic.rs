@@ -6,6 +6,7 @@
 mod coalescence;
 mod events;
 mod explain;
+mod tables;
 mod vocabulary;
 
 use std::sync::Arc;

@@ -473,8 +473,12 @@ impl Estimator for KalmanFilter {
         Question::choice(
             "gate",
             "Is the measurement inside the gate?",
-            &[Reply::told(line::GATE, explain::case::REJECTED, "No: rejected"), Reply::at(line::GATE, "Yes: accepted")],
-        ),
+            &[
+                Reply::told(line::GATE, explain::case::REJECTED, "No: rejected"),
+                Reply::told(line::GATE, explain::case::ACCEPTED, "Yes: accepted"),
+            ],
+        )
+        .unless_told(&[explain::case::CLICKED]),
         Question::place("updated", "Where is the estimate after the update?", line::UPDATE, Role::Estimate),
     ];
     const GUARANTEE: Guarantee = Guarantee::Objects;

@@ -3,6 +3,7 @@
 mod association;
 mod charts;
 mod explain;
+mod formulas;
 mod vocabulary;
 
 use std::sync::Arc;

@@ -8,7 +8,7 @@ use super::{Acceleration, Estimate, Motion, Nonlinear, Sensor, Turn, Velocity, s
 use crate::base::words::rounded;
 use crate::choices;
 use crate::geometry::Grid;
-use crate::methods::numbers::LENGTH_DECIMALS;
+use crate::methods::numbers::{LENGTH_DECIMALS, digits};
 
 /// A state estimate and its motion model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -127,8 +127,18 @@ pub struct UpdateNumbers {
 }
 
 impl UpdateNumbers {
+    /// Whether x is updated by other components of ν than that along x.
+    pub fn is_coupled(&self) -> bool {
+        (1..self.residual.len()).any(|i| self.gain[(i, 0)] * self.residual[i] != 0.0)
+    }
+
+    /// Returns the further digits of ν and S with which they give d² as it is written.
+    pub fn digits_of_distance(&self) -> usize {
+        digits(self.squared_distance, |decimals| self.squared_distance_to(decimals).unwrap_or(f64::NAN))
+    }
+
     /// Returns d² computed from ν and S as they are written with this many decimals; `None` if S is not positive definite then.
-    pub fn squared_distance_to(&self, decimals: usize) -> Option<f64> {
+    fn squared_distance_to(&self, decimals: usize) -> Option<f64> {
         match self.residual.len() {
             2 => self.distance_to::<2>(decimals),
             _ => self.distance_to::<4>(decimals),

@@ -1,4 +1,4 @@
-//! What the steps of all multi-object trackers say.
+//! The explanation shared by all multi-object trackers.
 
 pub(crate) use super::drawing::{
     ShownTrack, draw_arrows, draw_detections, draw_progress, label, number_detections, rect, role, series, trail,
@@ -23,31 +23,35 @@ use crate::scene::{Case, Number, Step, Unit, Value};
 const LISTED: usize = 4;
 
 /// Says how many detections the frame has, and how many the minimum score has discarded.
-pub(crate) fn found(step: Step, (detections, unit): (usize, Unit), (discarded, min_score): (usize, f32)) -> Step {
+pub(crate) fn tell_detections(
+    step: Step,
+    (detections, unit): (usize, Unit),
+    (discarded, min_score): (usize, f32),
+) -> Step {
     let step = step.put_value(value::DETECTIONS.is(detections).in_unit(unit)).say(case::DETECTED);
     let step = step.put(value::DISCARDED, discarded).put(value::MIN_SCORE, min_score);
     step.say_if(discarded > 0, case::DISCARDED).say(case::END)
 }
 
 /// Puts the gate, its pairs, and the pairs of all tracks and detections.
-pub(crate) fn gates(step: Step, gated: usize, [tracks, detections]: [usize; 2], (gate, share): (f64, f32)) -> Step {
+pub(crate) fn put_gates(step: Step, gated: usize, [tracks, detections]: [usize; 2], (gate, share): (f64, f32)) -> Step {
     let step = step.put(value::GATED, gated).put(value::PAIRS, tracks * detections);
     step.put(value::GATE, gate).put(value::GATE_PROBABILITY, 100.0 * share)
 }
 
 /// Says how many pairs are inside the gate, by a case of the tracker, where there are pairs.
-pub(crate) fn gated(step: Step, case_of_pairs: &'static Case) -> Step {
+pub(crate) fn tell_gate(step: Step, case_of_pairs: &'static Case) -> Step {
     let is_any = step.real(value::PAIRS) > 0.0;
     step.say(if is_any { case_of_pairs } else { case::NONE_TO_GATE })
 }
 
 /// Says for how many tracks only the nearest detections are compared.
-pub(crate) fn crowded(step: Step, tracks: usize) -> Step {
+pub(crate) fn tell_crowding(step: Step, tracks: usize) -> Step {
     step.put(value::CROWDED, tracks).put(value::MOST_NEAR, MOST_NEAR).say_if(tracks > 0, case::CROWDED)
 }
 
 /// Adds the velocity among the facts.
-pub(crate) fn moving(step: Step, velocity: [f64; 2]) -> Step {
+pub(crate) fn add_velocity(step: Step, velocity: [f64; 2]) -> Step {
     let step = step.put(value::HEADING, whole_heading_deg(velocity));
     step.fact_as(value::SPEED.is(velocity[0].hypot(velocity[1])), case::VELOCITY)
 }
@@ -60,21 +64,21 @@ pub(crate) fn deviation(filter: &Filter) -> Number {
 }
 
 /// Adds a track among the facts.
-pub(crate) fn with_track(step: Step, track: &ShownTrack, rules: Rules) -> Step {
+pub(crate) fn add_track(step: Step, track: &ShownTrack, rules: Rules) -> Step {
     let ShownTrack { id, filter, age, .. } = track;
     let step = step.fact(value::TRACK, *id).fact(value::STATUS, age.status.name()).fact(value::HITS, age.hits);
-    let step = moving(step, filter.velocity()).fact(value::DEVIATION, deviation(filter));
+    let step = add_velocity(step, filter.velocity()).fact(value::DEVIATION, deviation(filter));
     let step = step.put(value::POSITION, filter.place()).put(value::MISSED, age.missed);
     step.put(value::MIN_HITS, rules.min_hits).put(value::MAX_AGE, rules.max_age)
 }
 
 /// Puts the place and the deviation of a track before its update.
-pub(crate) fn from_prediction(step: Step, filter: &Filter) -> Step {
+pub(crate) fn put_prediction(step: Step, filter: &Filter) -> Step {
     step.put(value::POSITION_BEFORE, filter.place()).put(value::DEVIATION_BEFORE, deviation(filter))
 }
 
 /// Says why a track is deleted.
-pub(crate) fn deleted(step: Step, track: &ShownTrack, rules: Rules) -> Step {
+pub(crate) fn tell_deletion(step: Step, track: &ShownTrack, rules: Rules) -> Step {
     step.say(match track.age.status {
         TrackStatus::Tentative => case::DELETED_TENTATIVE,
         _ if track.age.missed < rules.max_age => case::DELETED_OUTSIDE,
@@ -82,13 +86,19 @@ pub(crate) fn deleted(step: Step, track: &ShownTrack, rules: Rules) -> Step {
     })
 }
 
+/// Says until when a new track is tentative, where it is.
+pub(crate) fn tell_tentative(step: Step, status: TrackStatus, rules: Rules) -> Step {
+    let step = step.put_value(value::MIN_HITS.is(rules.min_hits).in_unit(Unit::count("hit")));
+    step.say_if(status == TrackStatus::Tentative, case::TENTATIVE_UNTIL)
+}
+
 /// Says how often a track was missed in a row.
-pub(crate) fn missed(step: Step, missed: usize) -> Step {
+pub(crate) fn tell_misses(step: Step, missed: usize) -> Step {
     step.say_if(missed > 1, case::IN_A_ROW).say(case::MAX_AGE)
 }
 
 /// Says the origins of detections: the track of each with the case of its kind, then the number of false alarms.
-pub(crate) fn origins(step: Step, all: &[(usize, Option<(u32, &'static Case)>)]) -> Step {
+pub(crate) fn tell_origins(step: Step, all: &[(usize, Option<(u32, &'static Case)>)]) -> Step {
     let of_tracks: Vec<_> = all.iter().filter_map(|(detection, of)| Some((*detection, (*of)?))).collect();
     let others = of_tracks.len().saturating_sub(LISTED);
     let clutter = all.len() - of_tracks.len();
@@ -102,29 +112,25 @@ pub(crate) fn origins(step: Step, all: &[(usize, Option<(u32, &'static Case)>)])
 }
 
 /// Says the conclusion of a frame, and at its end of the run: counts, scores, the kind of error and the remedy.
-pub(crate) fn concluded(step: Step, frame: &ObjectFrame, conclusion: &Conclusion) -> Step {
+pub(crate) fn tell_conclusion(step: Step, frame: &ObjectFrame, conclusion: &Conclusion) -> Step {
     let of = |status| of_status(frame, status);
     let step = step.put(value::CONFIRMED, of(TrackStatus::Confirmed)).put(value::COASTING, of(TrackStatus::Coasting));
     let step = step.put(value::TENTATIVE, of(TrackStatus::Tentative)).say(case::COUNTS);
     let run = conclusion.run.filter(|run| run.truths > 0);
     let step = match run {
-        Some(run) => scored(step, run, conclusion),
+        Some(run) => tell_scores(step, run, conclusion),
         None => {
-            let step = conclusion.frame.into_iter().fold(step, matched);
+            let step = conclusion.frame.into_iter().fold(step, tell_matches);
             conclusion.tracks.into_iter().fold(step, |step, all| step.put(value::RUN_TRACKS, all).say(case::RUN_TRACKS))
         }
     };
-    let step = conclusion.overconfidence().into_iter().fold(step, |step, test| {
-        let [low, high] = test.band;
-        let step = step.put(value::MEAN_NIS, test.mean).put(value::BAND_LOW, low).put(value::BAND_HIGH, high);
-        step.say(case::OVERCONFIDENT)
-    });
+    let step = conclusion.overconfidence().into_iter().fold(step, |step, test| test.tell(step, false));
     let step = run.and_then(|run| advice(run, conclusion)).into_iter().fold(step, Step::say);
     step.put(value::STATIONARY, conclusion.stationary).say_if(conclusion.stationary > 0, case::STATIONARY)
 }
 
 /// Says the scores of a run, with those in real time where they differ, and its worst frames.
-fn scored(step: Step, run: Scores, conclusion: &Conclusion) -> Step {
+fn tell_scores(step: Step, run: Scores, conclusion: &Conclusion) -> Step {
     let hindsight = [value::MOTA.is(run.mota), value::IDF1.is(run.idf1), value::SWITCHES.is(run.switches)];
     let of = |live: Scores| {
         let [mota, idf1] = [value::LIVE_MOTA.is(live.mota), value::LIVE_IDF1.is(live.idf1)];
@@ -139,7 +145,7 @@ fn scored(step: Step, run: Scores, conclusion: &Conclusion) -> Step {
         Some(live) => live.into_iter().fold(step, Step::put_value).say(case::IN_REAL_TIME),
         None => step,
     };
-    most_errors(step, &conclusion.worst)
+    tell_worst_frames(step, &conclusion.worst)
 }
 
 /// The remedy of the most frequent kind of error.
@@ -161,11 +167,12 @@ fn advice(run: Scores, conclusion: &Conclusion) -> Option<&'static Case> {
 }
 
 /// Says which frames have the most errors.
-fn most_errors(step: Step, worst: &[(usize, Matches)]) -> Step {
+fn tell_worst_frames(step: Step, worst: &[(usize, Matches)]) -> Step {
     let Some((first, all)) = worst.first() else { return step };
     let (misses, alarms) = (all.misses(), all.false_positives());
     let step = step.put(value::WORST_FRAME, *first).put(value::WORST_FRAMES, worst.len());
-    let step = step.put(value::MISSES, misses).put(value::FALSE_ALARMS, alarms).put(value::ERRORS, misses + alarms);
+    let step = step.put(value::WORST_MISSES, misses).put(value::WORST_FALSE_ALARMS, alarms);
+    let step = step.put(value::ERRORS, misses + alarms);
     match worst {
         [_] => step.say(case::WORST_FRAME),
         [_, (second, _)] => step.put(value::SECOND_FRAME, *second).say(case::TWO_WORST_FRAMES),
@@ -174,7 +181,7 @@ fn most_errors(step: Step, worst: &[(usize, Matches)]) -> Step {
 }
 
 /// Says how many true objects of a frame are matched.
-fn matched(step: Step, all: Matches) -> Step {
+fn tell_matches(step: Step, all: Matches) -> Step {
     let alarms = all.false_positives();
     let step = step.put(value::TRUTHS, all.truths).put(value::MATCHED, all.pairs).put(value::FALSE_ALARMS, alarms);
     step.say(match all.misses() + alarms {
@@ -193,7 +200,7 @@ mod tests {
     #[test]
     fn all_frames_with_the_most_errors_are_named() {
         let two = Matches { truths: 5, estimates: 3, pairs: 3 };
-        let said = |worst: &[(usize, Matches)]| most_errors(Step::at(CONCLUDE), worst).sentence.plain();
+        let said = |worst: &[(usize, Matches)]| tell_worst_frames(Step::at(CONCLUDE), worst).sentence.plain();
         assert_eq!(said(&[]), "");
         assert_eq!(said(&[(21, two)]), "Frame 21 has the most errors: 2 misses, 0 false alarms.");
         assert_eq!(said(&[(21, two), (23, two)]), "Frames 21 and 23 have the most errors: 2 errors each.");

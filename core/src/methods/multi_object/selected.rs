@@ -81,7 +81,7 @@ impl Selected {
     }
 
     /// Adds the track among the facts.
-    pub fn noted(&self, step: Step) -> Step {
+    pub fn add_to(&self, step: Step) -> Step {
         let [first, last] = self.frames;
         let step = step.fact(value::SELECTED_TRACK, self.id).put(value::LAST_FRAME, last);
         let step = match self.is_live {
@@ -96,7 +96,7 @@ impl Selected {
     }
 
     /// Says what is known of the track, with the values among the facts.
-    pub fn told(&self, step: Step) -> Step {
+    pub fn tell(&self, step: Step) -> Step {
         let step = step.say(case::SELECTED).say(match (self.is_live, self.last.status) {
             (false, _) => case::ENDED,
             (true, TrackStatus::Tentative) => case::IS_TENTATIVE,

@@ -23,7 +23,7 @@ impl Names {
     }
 
     /// Adds the shown part of a table that is too large.
-    pub fn noted(&self, step: Step) -> Step {
+    pub fn add_shown_part(&self, step: Step) -> Step {
         let [rows, columns] = [self.rows.len(), self.columns.len()];
         if rows.max(columns) <= SHOWN {
             return step;
@@ -86,7 +86,7 @@ mod tests {
         let lit = table.changed.expect("lit");
         let (x, y) = (0..144).map(|i| (i % 12, i / 12)).find(|&place| lit[place]).expect("the pair");
         assert_eq!((table.entries[(x, y)], &*table.rows[y], &*table.columns[x]), (1330.0, "213", "31"));
-        assert_eq!(names.noted(Step::at(TABLE)).facts()[0].value, "12 of 15 rows, 12 of 40 columns");
+        assert_eq!(names.add_shown_part(Step::at(TABLE)).facts()[0].value, "12 of 15 rows, 12 of 40 columns");
         assert_eq!([window(5, [4].into_iter()), window(40, [].into_iter()), window(40, 0..40)], [0..5, 0..12, 0..12]);
     }
 }

@@ -188,19 +188,19 @@ pub(crate) fn errors<T: MultiTracker>(seen: &Seen<MultiTracking<T>>) -> Option<F
 }
 
 /// Adds the errors of a finished frame and the track that is pointed at among the facts.
-pub(crate) fn noted<T: MultiTracker>(step: Step, seen: &Seen<MultiTracking<T>>) -> Step {
-    let step = errors(seen).iter().fold(step, truth::noted);
-    selected(seen).iter().fold(step, |step, selected| selected.noted(step))
+pub(crate) fn add_errors_and_selected<T: MultiTracker>(step: Step, seen: &Seen<MultiTracking<T>>) -> Step {
+    let step = errors(seen).iter().fold(step, truth::add_errors);
+    selected(seen).iter().fold(step, |step, selected| selected.add_to(step))
 }
 
 /// Says the end of a frame: the track that is pointed at, or else the conclusion and the identity switches.
-pub(crate) fn done<T: MultiTracker>(
+pub(crate) fn tell_end<T: MultiTracker>(
     step: Step,
     seen: &Seen<MultiTracking<T>>,
     (frame, conclusion): (&ObjectFrame, &Conclusion),
 ) -> Step {
     match selected(seen) {
-        Some(selected) => selected.told(step),
-        None => errors(seen).iter().fold(explain::concluded(step, frame, conclusion), truth::switched),
+        Some(selected) => selected.tell(step),
+        None => errors(seen).iter().fold(explain::tell_conclusion(step, frame, conclusion), truth::tell_switches),
     }
 }

@@ -45,7 +45,7 @@ pub(crate) fn draw(scene: &mut Scene, errors: &FrameErrors) {
 }
 
 /// Adds the errors among the facts.
-pub(crate) fn noted(step: Step, errors: &FrameErrors) -> Step {
+pub(crate) fn add_errors(step: Step, errors: &FrameErrors) -> Step {
     let FrameErrors { matches, misses, false_alarms, switches, .. } = errors;
     let step = step.put(value::TRUTHS, matches.len() + misses.len());
     let step = step.fact_as(value::MATCHED.is(matches.len()), case::MATCHED_OF).fact(value::MISSES, misses.len());
@@ -56,7 +56,7 @@ pub(crate) fn noted(step: Step, errors: &FrameErrors) -> Step {
 }
 
 /// Says the identity switches of a frame.
-pub(crate) fn switched(step: Step, errors: &FrameErrors) -> Step {
+pub(crate) fn tell_switches(step: Step, errors: &FrameErrors) -> Step {
     errors.switches.iter().fold(step, |step, switch| {
         let step = step.put(value::TRUE_OBJECT, switch.object).put(value::TRACK_BEFORE, switch.before);
         step.put(value::TRACK_NOW, switch.now).say(case::SWITCHED)

@@ -1,9 +1,7 @@
 //! The values that explain a multi-object tracker, and the cases that all trackers share.
 
-use crate::scene::{Decimals, Role, Unit};
-
-/// A probability that was set, in percent.
-const SET_PERCENT: Unit = Unit { name: "%", decimals: Decimals::AtMost(4) };
+use crate::methods::kalman::vocabulary::PROBABILITY;
+use crate::scene::{Role, Unit};
 
 crate::variables! { pub(crate) mod value;
     /// The number of the frame.
@@ -51,7 +49,7 @@ crate::variables! { pub(crate) mod value;
     /// The largest squared Mahalanobis distance of a detection in the gate.
     GATE: "Gating threshold", r"\gamma", Unit::FINE;
     /// The share of the true measurements that are inside the gate.
-    GATE_PROBABILITY: "Gate probability", "P_G", SET_PERCENT;
+    GATE_PROBABILITY: "Gate probability", "P_G", PROBABILITY;
     /// The number of tracks with more detections nearby than are compared.
     CROWDED: "Crowded", "", Unit::count("track");
     /// The largest number of detections that are compared with a track.
@@ -90,8 +88,12 @@ crate::variables! { pub(crate) mod value;
     MISSES: "Misses", "", Unit::count("miss"), Role::Error;
     /// The number of confirmed tracks without a true object.
     FALSE_ALARMS: "False alarms", "", Unit::count("false alarm"), Role::Rejected;
-    /// The number of misses and false alarms of a frame.
+    /// The number of misses and false alarms of a frame with the most errors.
     ERRORS: "Errors", "", Unit::count("error");
+    /// The number of misses of a frame with the most errors.
+    WORST_MISSES: "Misses of the worst frame", "", Unit::count("miss"), Role::Error;
+    /// The number of false alarms of a frame with the most errors.
+    WORST_FALSE_ALARMS: "False alarms of the worst frame", "", Unit::count("false alarm"), Role::Rejected;
     /// The first frame with the most errors.
     WORST_FRAME: "Worst frame", "", Unit::WHOLE;
     /// The second frame with the most errors.
@@ -114,12 +116,6 @@ crate::variables! { pub(crate) mod value;
     PRECISION: "Precision", "", Unit::FINE;
     /// The share of the true boxes with a track.
     RECALL: "Recall", "", Unit::FINE;
-    /// The mean normalised innovation squared of the detections of confirmed tracks.
-    MEAN_NIS: "Mean NIS", r"\bar{d^2}", Unit::FINE;
-    /// The lower end of the 95 % band of the mean NIS of a consistent filter.
-    BAND_LOW: "Lower end of the band", "", Unit::FINE;
-    /// The upper end of the 95 % band of the mean NIS of a consistent filter.
-    BAND_HIGH: "Upper end of the band", "", Unit::FINE;
     /// The number of tracks that the minimum travel has kept tentative.
     STATIONARY: "Stationary", "", Unit::count("tentative track");
     /// The identity of the true object.
@@ -165,7 +161,7 @@ crate::cases! { pub(crate) over value;
     DELETED_TENTATIVE: "{rejected|Track} {track} is deleted: missed while tentative, before {min_hits} (the minimum number of hits).",
     DELETED_OUTSIDE: "{rejected|Track} {track} is deleted: its prediction {position} is far outside the picture.",
     DELETED_OLD: "{rejected|Track} {track} is deleted: missed for more than {max_age} (the maximum age).",
-    TENTATIVE_UNTIL: "It is tentative until it has {min_hits:bare} hits, the minimum number.",
+    TENTATIVE_UNTIL: "It is tentative until it has {min_hits}, the minimum number.",
     DETECTION_IS: "detection {detection} is",
     OF_TRACK: "track {origin}",
     OF_NEW_TRACK: "the new track {origin}",
@@ -181,11 +177,9 @@ crate::cases! { pub(crate) over value;
     RUN_WITH_HINDSIGHT: "Run with hindsight: MOTA {mota}, IDF1 {idf1}, {switches}.",
     RATES: "Precision {precision}, recall {recall}.",
     IN_REAL_TIME: "In real time, without hindsight: MOTA {live_mota}, IDF1 {live_idf1}, {live_switches}.",
-    WORST_FRAME: "Frame {worst_frame} has the most errors: {misses}, {false_alarms}.",
+    WORST_FRAME: "Frame {worst_frame} has the most errors: {worst_misses}, {worst_false_alarms}.",
     TWO_WORST_FRAMES: "Frames {worst_frame} and {second_frame} have the most errors: {errors} each.",
     WORST_FRAMES: "The most errors in a frame are {errors:bare}, in {worst_frames}, first in frame {worst_frame}.",
-    OVERCONFIDENT: "Mean NIS {mean_nis} is above the 95 % band {band_low}–{band_high}. The covariance is too small (overconfident): \
-                    raise the process noise Q or the measurement noise R.",
     MOST_SWITCHES: "Identities are kept by a motion model that fits (turns need one), and through misses by a larger maximum age.",
     SMALL_GATES: "Too small gates reject detections of their own objects.",
     MISSES_OF_OCCLUDED: "Most errors are misses of occluded objects: there is no track before the first detection, and coasting \

@@ -9,6 +9,7 @@ use crate::methods::multi_object::{
     partial::WholeSize,
     tracking::{self, MultiTracking, errors, selected},
     truth,
+    vocabulary::{case as shared_case, value as shared},
 };
 use crate::products::TrackStatus;
 use crate::run::Seen;
@@ -45,7 +46,7 @@ impl BlobTracker {
                 let names =
                     Names::new(table.tracked_blobs.iter().map(|tracked| ids(&tracked.members)), 0..table.blobs.len());
                 tables.extend(correspondence(table, &names, decision));
-                names.noted(self.told(seen))
+                names.add_shown_part(self.told(seen))
             }
             None => self.told(seen),
         };
@@ -55,25 +56,25 @@ impl BlobTracker {
     fn told(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
         let (frame, tracks) = (seen.before.run.frame(), &seen.after.unwrap_or(seen.before).tracks);
         let limits = |line: Name| {
-            let step = Step::at(line).fact(value::FRAME, frame).put(value::MIN_OVERLAP, 100.0 * self.min_overlap);
-            step.put(value::MIN_HITS, self.rules.min_hits).put(value::MAX_AGE, self.rules.max_age)
+            let step = Step::at(line).fact(shared::FRAME, frame).put(value::MIN_OVERLAP, 100.0 * self.min_overlap);
+            step.put(shared::MIN_HITS, self.rules.min_hits).put(shared::MAX_AGE, self.rules.max_age)
         };
         let at = |line: Name| {
             let groups = tracks.iter().filter(|tracked| tracked.is_group()).count();
-            let step = limits(line).fact(value::TRACKS, tracks_of(tracks)).fact(value::GROUPS, groups);
-            let step = errors(seen).iter().fold(step, truth::noted);
-            selected(seen).filter(|_| seen.after.is_some()).iter().fold(step, |step, selected| selected.noted(step))
+            let step = limits(line).fact(shared::TRACKS, tracks_of(tracks)).fact(value::GROUPS, groups);
+            let step = errors(seen).iter().fold(step, truth::add_errors);
+            selected(seen).filter(|_| seen.after.is_some()).iter().fold(step, |step, selected| selected.add_to(step))
         };
         match seen.events.last().map(|event| &event.0) {
             None => at(line::EACH_FRAME).say(case::OPENING),
             Some(EventKind::Detected(all, discarded)) => {
                 let discarded = (*discarded, self.settings.min_score);
-                explain::found(at(line::DETECT), (all.len(), Unit::count("blob")), discarded)
+                explain::tell_detections(at(line::DETECT), (all.len(), Unit::count("blob")), discarded)
             }
             Some(EventKind::Predicted(all)) => {
-                let step = at(line::PREDICT).put(value::TRACKS, tracks_of(all)).put(value::TRACKED_BLOBS, all.len());
+                let step = at(line::PREDICT).put(shared::TRACKS, tracks_of(all)).put(value::TRACKED_BLOBS, all.len());
                 step.put(value::VELOCITY_FRAMES, self.velocity_frames).say(match all.is_empty() {
-                    true => case::NONE_TO_PREDICT,
+                    true => shared_case::NONE_TO_PREDICT,
                     false if self.predict => case::PREDICTED,
                     false => case::KEPT,
                 })
@@ -81,8 +82,8 @@ impl BlobTracker {
             Some(EventKind::Corresponded(table)) => {
                 let step = at(line::COMPUTE_OVERLAPS).put(value::CORRESPONDING, table.corresponding);
                 let step =
-                    step.put(value::PAIRS, table.tracked_blobs.len() * table.blobs.len()).say(case::CORRESPONDING);
-                let step = step.put(value::CROWDED, table.crowded).put(value::MOST_NEAR, MOST_NEAR);
+                    step.put(shared::PAIRS, table.tracked_blobs.len() * table.blobs.len()).say(case::CORRESPONDING);
+                let step = step.put(shared::CROWDED, table.crowded).put(shared::MOST_NEAR, MOST_NEAR);
                 step.say_if(table.crowded > 0, case::CROWDED)
             }
             Some(EventKind::Decided(decision)) => match &decision.dissimilarity {
@@ -94,20 +95,24 @@ impl BlobTracker {
             Some(EventKind::Missed(tracked)) => {
                 let missed = tracked.members.iter().map(|member| member.age.missed).max().unwrap_or(0);
                 let step =
-                    with_track(limits(line::COAST_OR_END), tracked).put(value::MISSED, missed).say(name(tracked));
-                step.say(case::COASTS).say_if(missed > 1, case::IN_A_ROW).say(case::MAX_AGE)
+                    with_track(limits(line::COAST_OR_END), tracked).put(shared::MISSED, missed).say(name(tracked));
+                explain::tell_misses(step.say(case::COASTS), missed)
             }
             Some(EventKind::Deleted(tracked)) => {
                 let is_tentative = tracked.members.iter().all(|of| of.age.status == TrackStatus::Tentative);
                 let step = with_track(limits(line::COAST_OR_END), tracked).say(name(tracked));
                 step.say(if is_tentative { case::DELETED_TENTATIVE } else { case::DELETED_OLD })
             }
-            Some(EventKind::Begun(tracked)) => with_track(limits(line::BEGIN_OBJECT), tracked).say(case::BEGUN),
+            Some(EventKind::Begun(tracked)) => {
+                let step = with_track(limits(line::BEGIN_OBJECT), tracked).say(case::BEGUN);
+                let statuses = tracked.members.iter().map(|member| member.age.status);
+                statuses.fold(step, |step, status| explain::tell_tentative(step, status, self.rules))
+            }
             Some(EventKind::Done(done, conclusion)) => {
                 // The detections of a file have no shape: boxes of a person detector overlap where persons do.
                 let are_boxes = !done.detections.is_empty() && done.detections.iter().all(|found| found.blob.is_none());
                 let is_run = conclusion.run.is_some() && selected(seen).is_none();
-                let step = tracking::done(at(line::EACH_FRAME), seen, (done, conclusion));
+                let step = tracking::tell_end(at(line::EACH_FRAME), seen, (done, conclusion));
                 step.say_if(are_boxes && is_run, case::BOXES)
             }
         }
@@ -125,7 +130,7 @@ impl BlobTracker {
         let members = decision.members();
         let gray = |gray: Option<f64>| gray.map_or("unknown".into(), Number::from);
         let step = members.iter().fold(step, |step, member| {
-            let step = step.put(value::TRACK, member.id).put(value::GRAY, gray(member.gray));
+            let step = step.put(shared::TRACK, member.id).put(value::GRAY, gray(member.gray));
             step.fact_as(value::AREA_BEFORE.is(member.area_px), case::LOOK_BEFORE)
         });
         let step = decision.columns.iter().fold(step, |step, column| {
@@ -143,12 +148,12 @@ impl BlobTracker {
         };
         let identified = pairs(decision, &members).into_iter().take(LISTED).enumerate();
         let step = identified.fold(step.say(criterion), |step, (i, (row, column))| {
-            let step = step.say_if(i > 0, case::SEMICOLON).put(value::TRACK, members[row].id);
+            let step = step.say_if(i > 0, case::SEMICOLON).put(shared::TRACK, members[row].id);
             let step = step.put(value::BLOB, decision.columns[column] + 1);
             step.put_value(value::COST.is(dissimilarity[(column, row)]).in_unit(unit)).say(case::IDENTIFIED)
         });
         let others = members.len().saturating_sub(LISTED);
-        step.put(value::OTHERS, others).say(if others > 0 { case::OTHERS } else { case::END })
+        step.put(value::OTHER_TRACKS, others).say(if others > 0 { case::OTHER_TRACKS } else { shared_case::END })
     }
 
     fn updated(&self, step: Step, decision: &Decision, case: &'static Case) -> Step {
@@ -163,9 +168,9 @@ impl BlobTracker {
         let (step, members) = (step.say_if(is_hidden, case::HIDDEN), decision.members());
         match members.iter().zip(&tracked.members).find(|(was, is)| was.age.status != is.age.status) {
             Some((was, is)) if was.age.status == TrackStatus::Tentative => {
-                step.put(value::HITS, is.age.hits).say(case::CONFIRMED)
+                step.put(shared::HITS, is.age.hits).say(case::CONFIRMED)
             }
-            Some((was, _)) => step.put(value::MISSED, was.age.missed).say(case::MATCHED_AGAIN),
+            Some((was, _)) => step.put(shared::MISSED, was.age.missed).say(case::MATCHED_AGAIN),
             None => step,
         }
     }
@@ -190,12 +195,12 @@ fn name(tracked: &TrackedBlob) -> &'static Case {
 fn with_track(step: Step, tracked: &TrackedBlob) -> Step {
     let step = match &tracked.members[..] {
         [member] => {
-            let step = step.fact(value::TRACK, member.id).fact(value::STATUS, member.age.status.name());
-            step.fact(value::HITS, member.age.hits)
+            let step = step.fact(shared::TRACK, member.id).fact(shared::STATUS, member.age.status.name());
+            step.fact(shared::HITS, member.age.hits)
         }
         members => group(step, members),
     };
-    tracked.velocity().into_iter().fold(step, explain::moving)
+    tracked.velocity().into_iter().fold(step, explain::add_velocity)
 }
 
 /// Adds the track after an update and its blobs among the facts.

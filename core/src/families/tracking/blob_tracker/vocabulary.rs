@@ -1,12 +1,9 @@
 //! The values and the cases of the blob tracker.
 
+use crate::methods::multi_object::vocabulary::value as shared;
 use crate::scene::{Decimals, Role, Unit};
 
 crate::variables! { pub(super) mod value;
-    /// The current frame.
-    FRAME: "Frame", "t", Unit::WHOLE;
-    /// The number of tracks, single or in groups.
-    TRACKS: "Tracks", "", Unit::count("track"), Role::Predicted;
     /// The number of groups of tracks that share a blob.
     GROUPS: "Groups", "", Unit::WHOLE;
     /// The number of blobs that have tracks.
@@ -17,26 +14,8 @@ crate::variables! { pub(super) mod value;
     MIN_OVERLAP: "Minimum overlap", "", Unit { name: "%", decimals: Decimals::AtMost(4) };
     /// The number of pairs of a track and a blob with enough overlap.
     CORRESPONDING: "Corresponding pairs", "", Unit::WHOLE;
-    /// The number of pairs of a track and a blob.
-    PAIRS: "Pairs", "", Unit::count("pair");
-    /// The number of tracks with more blobs nearby than are compared.
-    CROWDED: "Crowded", "", Unit::count("track");
-    /// The largest number of blobs that are compared with a track.
-    MOST_NEAR: "Compared blobs", "", Unit::WHOLE;
-    /// The identity of the track.
-    TRACK: "Track", "", Unit::WHOLE, Role::Estimate;
     /// The identities of the tracks of the group.
     MEMBERS: "Group", "", Unit::WHOLE, Role::Window;
-    /// Whether the track is tentative, confirmed or coasting.
-    STATUS: "Status", "", Unit::WHOLE;
-    /// The number of frames with a blob of the track.
-    HITS: "Hits", "", Unit::count("matched frame");
-    /// The number of hits after which a tentative track is confirmed.
-    MIN_HITS: "Minimum number of hits", "", Unit::WHOLE;
-    /// The number of frames in a row without a blob of the track.
-    MISSED: "Missed", "", Unit::count("missed frame");
-    /// The number of missed frames in a row after which a track is deleted.
-    MAX_AGE: "Maximum age", "", Unit::count("frame");
     /// The number of the blob in its frame, from 1.
     BLOB: "Blob", "", Unit::WHOLE, Role::Measured;
     /// The numbers of the blobs into which a track or a group splits.
@@ -54,7 +33,7 @@ crate::variables! { pub(super) mod value;
     /// The dissimilarity of a track and a blob after a split.
     COST: "Cost", "D", Unit::RATIO;
     /// The number of tracks of a split that are not listed.
-    OTHERS: "Other tracks", "", Unit::WHOLE;
+    OTHER_TRACKS: "Other tracks", "", Unit::WHOLE;
     /// The mean gray level of the pixels.
     GRAY: "Gray level", "", Unit::new("", 1);
     /// The area of the track before the merge.
@@ -63,10 +42,9 @@ crate::variables! { pub(super) mod value;
     AREA_AFTER: "After the split", "", Unit::new("px", 0), Role::Measured;
 }
 
-crate::cases! { pub(super) over value;
+crate::cases! { pub(super) over value, shared;
     OPENING: "{measured|Blobs} are matched with {predicted|predicted tracks} by the overlap of their boxes. One to one is an update; \
               otherwise tracks merge or split.",
-    NONE_TO_PREDICT: "No tracks to predict yet.",
     PREDICTED: "Prediction of {tracks} in {tracked_blobs} by the mean displacement of up to {velocity_frames}.",
     KEPT: "Without prediction, the last position of {tracks} is kept.",
     CORRESPONDING: "Overlap of at least {min_overlap} of the smaller box (the minimum overlap): {corresponding} of {pairs}.",
@@ -80,21 +58,18 @@ crate::cases! { pub(super) over value;
     BY_PLACE: "Least distance to the predicted position:",
     IDENTIFIED: "{estimate|track} {track} is blob {blob} (cost {cost})",
     SEMICOLON: ";",
-    OTHERS: "; and {others} more.",
-    END: ".",
+    OTHER_TRACKS: "; and {other_tracks} more.",
     NEAREST: " overlaps no unmatched blob by {min_overlap} (the minimum overlap). The nearest, blob {blob}, is {distance} away, within \
               the maximum distance of {max_distance}.",
     UPDATED: " is updated with blob {blob}: overlap {overlap} ≥ {min_overlap}. Its centre moves from the predicted {predicted:bare} to \
               {center}.",
     HIDDEN: "One side of the blob is hidden: its visible edges and the size of the track give the box.",
-    CONFIRMED: "Confirmed: {hits} reach the minimum number of hits, {min_hits}.",
+    CONFIRMED: "Confirmed: {hits} reach the minimum number of hits, {min_hits:bare}.",
     MATCHED_AGAIN: "Matched again after {missed}.",
     COASTS: " has no blob and {predicted|coasts}: {missed}",
-    IN_A_ROW: " in a row",
-    MAX_AGE: " (maximum age {max_age:bare}).",
-    DELETED_TENTATIVE: " is {rejected|deleted}: missed while tentative, before {min_hits} matches (the minimum number of hits).",
+    DELETED_TENTATIVE: " is {rejected|deleted}: missed while tentative, before {min_hits} (the minimum number of hits).",
     DELETED_OLD: " is {rejected|deleted}: missed for more than {max_age} (the maximum age).",
-    BEGUN: "An unmatched blob starts {reference|track} {track}. It is tentative until it has {min_hits} hits, the minimum number.",
+    BEGUN: "An unmatched blob starts {reference|track} {track}.",
     BOXES: "These detections are boxes, not blobs: where they overlap, tracks merge. The Kalman tracker suits them.",
     LOOK_BEFORE: "track {track}: gray level {gray}, area {area_before}",
     LOOK_AFTER: "blob {blob}: gray level {gray}, area {area_after}",

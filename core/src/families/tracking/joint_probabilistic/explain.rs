@@ -2,28 +2,27 @@
 
 use super::coalescence::Neighbors;
 use super::events::{Joint, Validation};
+use super::tables::{event_tables, update_tables, validation_table, weight_table};
 use super::vocabulary::{case, value};
 use super::{Event, JointProbabilistic, Track, Weights, line};
+use crate::base::words::{further_digits, rounded};
 use crate::geometry::Grid;
 use crate::methods::{
     kalman::Measurement,
     multi_object::{
         density::TrackDensity,
-        explain::{self, Names},
+        explain,
         tracking::{self, MultiTracking, errors, selected},
         truth,
         vocabulary::{case as shared_case, value as shared},
     },
-    numbers::{LENGTH_DECIMALS, RATIO_DECIMALS, SQUARED_DECIMALS},
+    numbers::{LENGTH_DECIMALS, RATIO_DECIMALS, finer},
 };
-use crate::products::TrackStatus;
 use crate::run::Seen;
-use crate::scene::{Arrow, Matrix, Name, Picture, Readout, Role, Scene, Shape, Step, Unit};
+use crate::scene::{Arrow, Name, Picture, Readout, Role, Scene, Shape, Step, Unit};
 
 /// The most innovations in a formula.
 const LISTED: usize = 4;
-/// The most joint events in a matrix.
-const ROWS: usize = 12;
 
 impl JointProbabilistic {
     pub(super) fn explained_step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
@@ -43,13 +42,13 @@ impl JointProbabilistic {
         let tracks = seen.after.unwrap_or(seen.before).tracks.len();
         let facts =
             |line: Name| Step::at(line).fact(shared::FRAME, seen.before.run.frame()).fact(shared::TRACKS, tracks);
-        let at = |line: Name| tracking::noted(facts(line), seen);
-        let of = |line: Name, track: &Track| explain::with_track(facts(line), &track.shown(), self.rules);
+        let at = |line: Name| tracking::add_errors_and_selected(facts(line), seen);
+        let of = |line: Name, track: &Track| explain::add_track(facts(line), &track.shown(), self.rules);
         match seen.events.last() {
             None => at(line::EACH_FRAME).say(case::OPENING),
             Some(Event::Detected(all, discarded)) => {
                 let discarded = (*discarded, self.settings.min_score);
-                explain::found(at(line::DETECT), (all.len(), Unit::count("detection")), discarded)
+                explain::tell_detections(at(line::DETECT), (all.len(), Unit::count("detection")), discarded)
             }
             Some(Event::Predicted(tracks)) => {
                 let step = at(line::PREDICT).put(shared::TRACKS, tracks.len());
@@ -58,29 +57,31 @@ impl JointProbabilistic {
             Some(Event::Validated(validation)) => {
                 let sizes = [validation.tracks.len(), validation.detections.len()];
                 let gate = (validation.limit, self.chances.gate);
-                let step = explain::gates(at(line::VALIDATE), validation.distances.len(), sizes, gate);
-                let step = explain::gated(step, case::VALIDATED)
+                let step = explain::put_gates(at(line::VALIDATE), validation.distances.len(), sizes, gate);
+                let step = explain::tell_gate(step, case::VALIDATED)
                     .put(shared::CLUSTERS, validation.clusters.len())
                     .say(case::CLUSTERED);
-                explain::crowded(step, validation.crowded)
+                explain::tell_crowding(step, validation.crowded)
             }
             Some(Event::Enumerated(validation, joint)) => self.enumerated(at(line::ENUMERATE), validation, joint),
             Some(Event::Weighed(validation, joint)) => weighed(at(line::WEIGH), validation, joint),
             Some(Event::Updated(both, weights)) => updated(of(line::UPDATE_TRACK, &both[1]), both, weights),
             Some(Event::Missed(track, missed)) => {
                 let step = of(line::COAST_OR_END, track).put(value::MISSED_WEIGHT, *missed).say(case::COASTS);
-                explain::missed(step, track.age.missed)
+                explain::tell_misses(step, track.age.missed)
             }
-            Some(Event::Deleted(track)) => explain::deleted(of(line::COAST_OR_END, track), &track.shown(), self.rules),
+            Some(Event::Deleted(track)) => {
+                explain::tell_deletion(of(line::COAST_OR_END, track), &track.shown(), self.rules)
+            }
             Some(Event::Begun(track, share)) => {
                 let step = of(line::BEGIN_TRACK, track).put(value::SHARE, *share).say(case::BEGUN);
-                step.say_if(track.age.status == TrackStatus::Tentative, shared_case::TENTATIVE_UNTIL)
+                explain::tell_tentative(step, track.age.status, self.rules)
             }
             Some(Event::Done(done, conclusion)) => {
                 let after = seen.after.filter(|_| conclusion.run.is_some() && selected(seen).is_none());
                 let neighbors = after.and_then(|after| Neighbors::of(&after.run, seen.clip));
                 let step = neighbors.into_iter().fold(at(line::EACH_FRAME), Neighbors::told);
-                tracking::done(step, seen, (done, conclusion))
+                tracking::tell_end(step, seen, (done, conclusion))
             }
         }
     }
@@ -94,7 +95,7 @@ impl JointProbabilistic {
                 |track: &Option<usize>| Some((validation.tracks[joint.tracks[(*track)?]].id, shared_case::OF_TRACK));
             let origins: Vec<_> = joint.detections.iter().copied().zip(best.tracks.iter().map(id)).collect();
             let step = step.put(value::PROBABILITY, best.probability).say(case::MOST_PROBABLE);
-            explain::origins(step, &origins).say(shared_case::END)
+            explain::tell_origins(step, &origins).say(shared_case::END)
         });
         match (joint.is_exhausted, joint.has_more) {
             (true, _) => step.say(case::EXHAUSTED),
@@ -185,7 +186,7 @@ fn weighed(step: Step, validation: &Validation, joint: &Joint) -> Step {
 
 fn updated(step: Step, [before, _]: &[Track; 2], weights: &Weights) -> Step {
     let Some((likeliest, weight)) = weights.likeliest() else { return step };
-    let step = explain::from_prediction(step, &before.filter).fact(value::MISSED_WEIGHT, weights.missed());
+    let step = explain::put_prediction(step, &before.filter).fact(value::MISSED_WEIGHT, weights.missed());
     let step = step.put(value::IN_GATE, weights.detections.len()).put(shared::DETECTION, likeliest + 1);
     let step = step.put(value::WEIGHT, weight).say(case::UPDATED);
     let step = step.say(if weights.detections.len() == 1 { case::PART_FOR_NONE } else { case::SPREAD });
@@ -207,86 +208,27 @@ fn innovation(step: Step, before: &Track, weights: &Weights) -> Step {
     let numbers = before.filter.association_numbers(weights.deviation, &weights.measured);
     let Some(numbers) = numbers else { return step };
     let (origin, listed) = (before.filter.place(), weights.measured.len().min(LISTED));
+    let has_more = weights.measured.len() > LISTED;
     let innovations = Grid::from_fn(listed, 2, |j, y| weights.measured[j].0[y] - origin[y]);
-    let step = step.put(value::INNOVATIONS, innovations);
-    let step = step.put(value::WEIGHTS, Grid::from_fn(1, listed, |_, j| weights.measured[j].1));
+    // The terms of a sum that goes on do not give its result.
+    let further = further_digits(|further| {
+        let sum = |y: usize| -> f64 {
+            let terms = weights.measured.iter().enumerate().take(listed).map(|(j, (_, weight))| {
+                rounded(innovations[(j, y)], LENGTH_DECIMALS + further) * rounded(*weight, RATIO_DECIMALS + further)
+            });
+            terms.sum()
+        };
+        let shown = |number| rounded(number, LENGTH_DECIMALS);
+        has_more || (0..2).all(|y| shown(sum(y)) == shown(numbers.innovation[y]))
+    });
+    let step = step.put_value(finer(value::INNOVATIONS, innovations, further));
+    let factors = Grid::from_fn(1, listed, |_, j| weights.measured[j].1);
+    let step = step.put_value(finer(value::WEIGHTS, factors, further));
     let step = step.put(value::INNOVATION, Grid::from_fn(1, 2, |_, y| numbers.innovation[y]));
-    let more = if weights.measured.len() > LISTED { r" + \ldots" } else { "" };
+    let more = if has_more { r" + \ldots" } else { "" };
     step.formula(format!(
         r"\mathbf{{\nu}} = \sum_j \beta_j \, \mathbf{{\nu}}_j = {{innovations}} {{weights}}{more} = {{innovation}}"
     ))
-}
-
-fn validation_table(validation: &Validation) -> Option<Matrix> {
-    let names = Names::new(validation.tracks.iter().map(|track| track.id.to_string()), 0..validation.detections.len());
-    let distance = |row, column| validation.distances.get(row, column).unwrap_or(f64::INFINITY);
-    names
-        .table(("d²", "squared Mahalanobis distance in the gate: tracks (rows), detections (columns)"), distance, &[])
-        .map(|table| table.with_decimals(SQUARED_DECIMALS))
-}
-
-/// The joint events with their probabilities.
-fn event_tables(validation: &Validation, joint: &Joint) -> Vec<Matrix> {
-    let all = &joint.events[..joint.events.len().min(ROWS)];
-    let names = Names::new((1..=all.len()).map(|i| format!("θ{i}")), joint.detections.iter().copied());
-    let entry = |row: usize, column: usize| match all[row].tracks[column] {
-        Some(track) => f64::from(validation.tracks[joint.tracks[track]].id),
-        None => 0.0,
-    };
-    let name = "track of each detection (columns) in each joint event (rows); 0: false alarm";
-    let probability = Matrix {
-        symbol: "P(θ)",
-        name: "probability of the joint event",
-        role: Some(Role::Best),
-        entries: Grid::from_fn(1, all.len(), |_, y| all[y].probability),
-        rows: names.rows.clone(),
-        columns: Vec::new(),
-        changed: None,
-        decimals: Some(RATIO_DECIMALS),
-    };
-    let origins = names.table(("θ", name), entry, &[]).map(|table| table.with_decimals(0));
-    origins.into_iter().chain((!all.is_empty()).then_some(probability)).collect()
-}
-
-/// β of each track and detection, with β₀ in the last column.
-fn weight_table(validation: &Validation, joint: &Joint) -> Option<Matrix> {
-    let mut names = Names::new(
-        joint.tracks.iter().map(|track| validation.tracks[*track].id.to_string()),
-        joint.detections.iter().copied(),
-    );
-    names.columns.push("none".into());
-    let entry = |row: usize, column: usize| match column < joint.detections.len() {
-        true => joint.weight(row, column),
-        false => joint.missed(row),
-    };
-    names
-        .table(("β", "probability of the association: tracks (rows), detections (columns)"), entry, &[])
-        .map(|table| table.with_decimals(RATIO_DECIMALS))
-}
-
-/// The combined innovation, its covariance, the spread of the innovations and the gain.
-fn update_tables(before: &Track, weights: &Weights) -> Vec<Matrix> {
-    let numbers = before.filter.association_numbers(weights.deviation, &weights.measured);
-    let Some(numbers) = numbers else { return Vec::new() };
-    let axes: Vec<String> = ["x", "y"].map(String::from).into();
-    let states: Vec<String> = before.filter.names().iter().map(|name| (*name).into()).collect();
-    let matrix = |symbol, name, role, entries: Grid<f64>, rows: &[String]| Matrix {
-        symbol,
-        name,
-        role: Some(role),
-        columns: if entries.width() > 1 { axes.clone() } else { Vec::new() },
-        rows: rows.to_vec(),
-        changed: None,
-        decimals: None,
-        entries,
-    };
-    let innovation = Grid::from_fn(1, 2, |_, y| numbers.innovation[y]);
-    vec![
-        matrix("ν", "combined innovation", Role::Measured, innovation, &axes).with_decimals(LENGTH_DECIMALS),
-        matrix("S", "innovation covariance", Role::Predicted, numbers.covariance, &axes),
-        matrix("K", "Kalman gain", Role::Estimate, numbers.gain, &states),
-        matrix("V", "spread of the innovations", Role::Candidate, numbers.spread, &axes),
-    ]
 }
 
 /// The track of the step.

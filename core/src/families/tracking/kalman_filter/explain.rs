@@ -7,14 +7,13 @@ mod plots;
 mod vocabulary;
 
 use super::matrices::matrices;
-use super::restart::{LEAST_REJECTED, Retry, Trial};
+use super::restart::{LEAST_REJECTED, Restart, Retry, Trial};
 use super::sensors::{Observations, Sensors};
 use super::{Event, Gated, KalmanFilter, Loss, State, line, modes};
 use crate::methods::kalman::vocabulary::value as shared;
 use crate::methods::kalman::{Filter, Surroundings};
 use crate::run::Seen;
 use crate::scene::{Readout, Role, Step, Surface};
-pub(super) use equation::{digits, finer};
 pub(super) use vocabulary::{case, value};
 
 /// A line of a plot: its name, its role and its points.
@@ -291,9 +290,13 @@ fn retried(step: Step, retry: &Retry) -> Step {
     let step = tried(step.put(value::FIRST_FRAME, retry.first), &retry.diverged).say(case::DIVERGED);
     let step = trials(step, &retry.others);
     let Some(restart) = &retry.restart else { return step.say(case::NOT_RESTARTED) };
-    let step = tried(step, &restart.trial).put(value::FIRST_FRAME, restart.first);
-    let step = step.put_value(value::MODEL.is(restart.trial.motion.label().to_lowercase()).inked(Role::Result));
-    step.say(if restart.first == retry.first { case::RESTARTED } else { case::STARTED_ANEW })
+    put_restart(step, restart).say(if restart.first == retry.first { case::RESTARTED } else { case::STARTED_ANEW })
+}
+
+/// Puts the first frame of a restarted track, and its motion model with the number of measurements that it accepts.
+fn put_restart(step: Step, Restart { trial, first, .. }: &Restart) -> Step {
+    let step = step.put(value::RESTART_FRAME, *first).put(value::RESTART_MODEL, trial.motion.label().to_lowercase());
+    step.put(value::RESTART_ACCEPTED, trial.accepted).put(value::RESTART_GATED, trial.measured)
 }
 
 /// Puts a motion model with the number of measurements that it accepts.

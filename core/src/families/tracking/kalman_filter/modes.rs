@@ -1,11 +1,11 @@
 //! The steps of sigma points and of interacting modes: cases, formulas, matrices and marks.
 
-use super::explain::{case, digits, finer, value};
+use super::explain::{case, value};
 use super::{FrameRecord, Gated};
 use crate::base::words::rounded;
 use crate::geometry::Grid;
 use crate::methods::kalman::{Filter, Sigma, ellipse, unscented};
-use crate::methods::numbers::{LENGTH_DECIMALS, RATIO_DECIMALS, SQUARED_DECIMALS};
+use crate::methods::numbers::{LENGTH_DECIMALS, RATIO_DECIMALS, SQUARED_DECIMALS, digits, finer};
 use crate::scene::{Arrow, Matrix, Picture, Role, Scene, Shape, Step};
 
 /// The roles of the modes in plots and on the picture.

@@ -2,9 +2,9 @@
 
 use super::association::{Costs, MatchingStage, Pair};
 use super::charts::{lit, matrices_of, update_matrices, widest};
+use super::formulas::update_formula;
 use super::vocabulary::{case, value};
 use super::{Event, KalmanTracker, PairCost, Track, line};
-use crate::geometry::Grid;
 use crate::methods::{
     kalman::Measurement,
     multi_object::{
@@ -30,7 +30,7 @@ impl KalmanTracker {
             (_, Some(Event::Costs(costs))) => {
                 let rows = costs.tracks.iter().map(|track| track.id.to_string());
                 let names = Names::new(rows, 0..costs.detections.len());
-                (names.noted(step), self.tables(costs, &names, &lit(seen, costs)))
+                (names.add_shown_part(step), self.tables(costs, &names, &lit(seen, costs)))
             }
             _ => (step, Vec::new()),
         };
@@ -43,13 +43,13 @@ impl KalmanTracker {
         let tracks = seen.after.unwrap_or(seen.before).tracks.len();
         let facts =
             |line: Name| Step::at(line).fact(shared::FRAME, seen.before.run.frame()).fact(shared::TRACKS, tracks);
-        let at = |line: Name| tracking::noted(facts(line), seen);
-        let of = |line: Name, track: &Track| explain::with_track(facts(line), &track.shown(), self.rules);
+        let at = |line: Name| tracking::add_errors_and_selected(facts(line), seen);
+        let of = |line: Name, track: &Track| explain::add_track(facts(line), &track.shown(), self.rules);
         match seen.events.last() {
             None => at(line::EACH_FRAME).say(case::OPENING),
             Some(Event::Detected(all, discarded)) => {
                 let discarded = (*discarded, self.settings.min_score);
-                explain::found(at(line::DETECT), (all.len(), Unit::count("detection")), discarded)
+                explain::tell_detections(at(line::DETECT), (all.len(), Unit::count("detection")), discarded)
             }
             Some(Event::Predicted(tracks)) => match widest(tracks) {
                 None => at(line::PREDICT).say(shared_case::NONE_TO_PREDICT),
@@ -67,22 +67,24 @@ impl KalmanTracker {
             }
             Some(Event::Missed(track)) => {
                 let step = of(line::COAST_OR_END, track).say(case::COASTS);
-                explain::missed(step, track.age.missed).say(case::GROWN)
+                explain::tell_misses(step, track.age.missed).say(case::GROWN)
             }
-            Some(Event::Deleted(track)) => explain::deleted(of(line::COAST_OR_END, track), &track.shown(), self.rules),
+            Some(Event::Deleted(track)) => {
+                explain::tell_deletion(of(line::COAST_OR_END, track), &track.shown(), self.rules)
+            }
             Some(Event::Begun(track)) => {
                 let deviation = track.filter.covariance()[(2, 2)].max(0.0).sqrt();
                 let step = of(line::BEGIN_TRACK, track).put(value::SPEED_DEVIATION, deviation).say(case::BEGUN);
-                step.say_if(track.age.status == TrackStatus::Tentative, shared_case::TENTATIVE_UNTIL)
+                explain::tell_tentative(step, track.age.status, self.rules)
             }
-            Some(Event::Done(done, conclusion)) => tracking::done(at(line::EACH_FRAME), seen, (done, conclusion)),
+            Some(Event::Done(done, conclusion)) => tracking::tell_end(at(line::EACH_FRAME), seen, (done, conclusion)),
         }
     }
 
     /// The gates, with the pair of least cost: of the selected track, or else of all.
     fn gated(&self, step: Step, seen: &Seen<MultiTracking<Self>>, costs: &Costs) -> Step {
         let (has_gate, has_threshold) = (self.cost != PairCost::Overlap, self.iou_threshold > 0.0);
-        let step = explain::gated(self.limits(step, costs).put(value::GREEDY, costs.greedy), shared_case::GATED);
+        let step = explain::tell_gate(self.limits(step, costs).put(value::GREEDY, costs.greedy), shared_case::GATED);
         let step = step.say_if(has_gate, shared_case::GATE).say(match (self.cost, has_threshold) {
             (PairCost::Mahalanobis, _) => shared_case::END,
             (PairCost::Overlap, true) => case::THRESHOLD,
@@ -90,7 +92,7 @@ impl KalmanTracker {
             (PairCost::Both, true) => case::AND_THRESHOLD,
             (PairCost::Both, false) => case::AND_OVERLAP,
         });
-        let step = explain::crowded(step, costs.crowded).say_if(costs.greedy > 0, case::GREEDY);
+        let step = explain::tell_crowding(step, costs.crowded).say_if(costs.greedy > 0, case::GREEDY);
         let selected = selected(seen).map(|selected| selected.id);
         let is_meant = |(row, ..): &(usize, usize, f64)| selected.is_none_or(|id| costs.tracks[*row].id == id);
         let cheapest = costs.costs.iter().filter(is_meant).min_by(|a, b| a.2.total_cmp(&b.2));
@@ -113,7 +115,7 @@ impl KalmanTracker {
 
     fn limits(&self, step: Step, costs: &Costs) -> Step {
         let sizes = [costs.costs.rows(), costs.costs.columns()];
-        let step = explain::gates(step, costs.costs.len(), sizes, (costs.limit, self.gate));
+        let step = explain::put_gates(step, costs.costs.len(), sizes, (costs.limit, self.gate));
         step.put(value::IOU_THRESHOLD, self.iou_threshold)
     }
 
@@ -130,18 +132,6 @@ impl KalmanTracker {
                 r"\frac{1}{2} \left( \frac{d^2}{\text{gate}} + \frac{1 - \text{IoU}}{1 - \text{IoU threshold}} \right)"
             }
         }
-    }
-
-    /// Writes d² of a pair with the numbers of its innovation.
-    fn distance_formula(&self, step: Step, costs: &Costs, [row, column]: [usize; 2]) -> Step {
-        let measured = self.measurement(costs, row, column);
-        let Some(numbers) = costs.tracks[row].filter.update_numbers(&measured) else { return step };
-        let innovation = Grid::from_fn(1, numbers.residual.len(), |_, y| numbers.residual[y]);
-        let step = step.put(value::INNOVATION, innovation).put(value::INNOVATION_COVARIANCE, numbers.covariance);
-        let step = step.put(value::D_SQUARED, numbers.squared_distance);
-        step.formula(
-            r"d^2 = \mathbf{\nu}^\top \mathbf{S}^{-1} \mathbf{\nu} = {innovation}^\top {innovation_covariance}^{-1} {innovation} = {d_squared}",
-        )
     }
 
     fn assigned(&self, step: Step, costs: &Costs, row: usize, pair: &Pair) -> Step {
@@ -184,21 +174,18 @@ impl KalmanTracker {
 
     /// The update of the state and its standard deviation, with the gain along x.
     fn updated_track(&self, step: Step, [before, after]: &[Track; 2], measurement: &Measurement) -> Step {
-        let step = explain::from_prediction(step, &before.filter);
+        let step = explain::put_prediction(step, &before.filter);
         // Each of several modes has a gain of its own.
         let numbers = before.filter.update_numbers(measurement).filter(|_| before.filter.modes().is_none());
         let step = match numbers {
             None => step.say(case::BY_BOTH_MODES),
             Some(numbers) => {
+                let along_x = [before.filter.place()[0], measurement.place[0], after.filter.place()[0]];
                 let gain = value::GAIN.is(numbers.gain[(0, 0)]);
                 let is_half = gain.rounded() == Some(0.5);
-                let step = step.put_value(gain).put(value::X_PREDICTED, before.filter.place()[0]);
-                let step =
-                    step.put(value::X_DETECTED, measurement.place[0]).put(value::X_UPDATED, after.filter.place()[0]);
-                let step =
-                    step.formula(r"\mathbf{x} = \mathbf{x}^- + \mathbf{K} (\mathbf{z} - \mathbf{H} \mathbf{x}^-)");
-                step.formula(r"x = {x_predicted} + {gain} \cdot ({x_detected} - {x_predicted}) = {x_updated}")
-                    .say(if is_half { case::HALF_WAY } else { case::BY_GAIN })
+                // The question asks for the gain of the sentence, not for that of the formula with its further digits.
+                let step = update_formula(step, &numbers, along_x).put_value(gain);
+                step.say(if is_half { case::HALF_WAY } else { case::BY_GAIN })
             }
         };
         let step = step.say(case::UPDATED).say_if(after.size.hidden_frames > 0, case::HIDDEN);
@@ -274,5 +261,67 @@ fn track_of<'a>(seen: &Seen<'a, MultiTracking<KalmanTracker>>) -> Option<&'a Tra
         Event::Missed(track) | Event::Deleted(track) | Event::Begun(track) => Some(track),
         Event::Assigned(costs, row, _) => costs.tracks.get(*row),
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::words::rounded;
+    use crate::data::Detection;
+    use crate::geometry::Bounds;
+    use crate::methods::multi_object::tracking::MultiTracker;
+    use crate::methods::numbers::LENGTH_DECIMALS;
+    use crate::scene::{Answer, Question, Shown, Value};
+
+    fn found(x: f32) -> Detection {
+        let bounds = Bounds { min: [x - 8.0, 20.0], max: [x + 8.0, 52.0] };
+        Detection { bounds, center: [x, 36.0], score: 1.0, blob: None, deviation_px: None }
+    }
+
+    /// A track updated with a detection, and the step of the update.
+    fn updated(tracker: &KalmanTracker, before: &Track, found: &Detection) -> (Track, Step) {
+        let (after, measurement) = (tracker.updated(before, found, (320, 240)), tracker.dynamics.measurement(found));
+        let step = explain::add_track(Step::at(line::UPDATE_TRACK), &after.shown(), tracker.rules);
+        let step = tracker.updated_track(step, &[before.clone(), after.clone()], &measurement);
+        (after, step)
+    }
+
+    #[test]
+    fn an_update_half_of_the_way_is_not_asked_for() {
+        let tracker = KalmanTracker::default();
+        let question = |of: &&Question| of.id == "gain";
+        let question = KalmanTracker::QUESTIONS.iter().find(question).expect("it is declared");
+        let answer = |step: &Step| {
+            let scene = Scene::default();
+            question.answer(Shown { step, scene: &scene }, Shown { step, scene: &scene })
+        };
+        // A new track is as uncertain as a measurement, an updated one less, and a predicted one more.
+        let begun = tracker.begun(&found(100.0), 1);
+        let (once, half) = updated(&tracker, &begun, &found(104.0));
+        assert_eq!(half.value(value::GAIN).and_then(Value::rounded), Some(0.5));
+        assert!(half.is(case::HALF_WAY) && !half.is(case::BY_GAIN), "{}", half.sentence.plain());
+        assert_eq!(answer(&half), None);
+        let (_, small) = updated(&tracker, &once, &found(104.0));
+        assert!(small.is(case::BY_GAIN), "{}", small.sentence.plain());
+        assert_eq!(answer(&small), Some(Answer::Choice(1)));
+        let predicted = Track { filter: tracker.dynamics.predicted(&begun.filter, &begun.extent), ..begun };
+        let (_, large) = updated(&tracker, &predicted, &found(104.0));
+        assert!(large.is(case::BY_GAIN), "{}", large.sentence.plain());
+        assert_eq!(answer(&large), Some(Answer::Choice(0)));
+    }
+
+    #[test]
+    fn the_numbers_of_an_update_give_its_result() {
+        let tracker = KalmanTracker::default();
+        let begun = tracker.begun(&found(100.123), 1);
+        let predicted = Track { filter: tracker.dynamics.predicted(&begun.filter, &begun.extent), ..begun };
+        let (_, step) = updated(&tracker, &predicted, &found(107.457));
+        let text = step.formulas()[1].plain();
+        let numbers: Vec<f64> =
+            text.split(|c: char| !c.is_ascii_digit() && c != '.').filter_map(|n| n.parse().ok()).collect();
+        let [from, gain, to, again, result] = numbers[..] else { panic!("{text}") };
+        assert_eq!(from, again, "{text}");
+        assert_eq!(rounded(from + gain * (to - from), LENGTH_DECIMALS), result, "{text}");
     }
 }

@@ -38,13 +38,13 @@ impl MultipleHypothesis {
                 None => (seen.before, value::CLUSTERS_BEFORE, value::HYPOTHESES_BEFORE),
             };
             let step = Step::at(line).fact(shared::FRAME, frame).fact(clusters, state.tracks.len());
-            tracking::noted(step.fact(hypotheses, of(&state.tracks)), seen)
+            tracking::add_errors_and_selected(step.fact(hypotheses, of(&state.tracks)), seen)
         };
         match seen.events.last() {
             None => at(line::EACH_FRAME).say(case::OPENING),
             Some(Event::Detected(all, discarded)) => {
                 let discarded = (*discarded, self.settings.min_score);
-                explain::found(at(line::DETECT), (all.len(), Unit::count("detection")), discarded)
+                explain::tell_detections(at(line::DETECT), (all.len(), Unit::count("detection")), discarded)
             }
             Some(Event::Predicted(tracks)) => {
                 let step = at(line::PREDICT).put(shared::TRACKS, tracks.len());
@@ -53,10 +53,10 @@ impl MultipleHypothesis {
             Some(Event::Gated(gates)) => {
                 let ([all, merged], sizes) = (gates.clusters, [gates.tracks.len(), gates.detections.len()]);
                 let gate = (gates.limit, self.chances.gate);
-                let step = explain::gates(at(line::GATE), gates.distances.len(), sizes, gate);
-                let step = explain::gated(step, shared_case::GATED);
+                let step = explain::put_gates(at(line::GATE), gates.distances.len(), sizes, gate);
+                let step = explain::tell_gate(step, shared_case::GATED);
                 let step = step.say(shared_case::GATE).say(shared_case::END).put(shared::CLUSTERS, all);
-                explain::crowded(step.put(value::MERGED, merged).say(case::CLUSTERED), gates.crowded)
+                explain::tell_crowding(step.put(value::MERGED, merged).say(case::CLUSTERED), gates.crowded)
             }
             Some(Event::Expanded(gates, expansion)) => self.expanded(at(line::EXPAND), gates, expansion),
             Some(Event::Pruned(pruning)) => {
@@ -68,7 +68,7 @@ impl MultipleHypothesis {
             }
             Some(Event::Led(leading)) => self.led(at(line::LEAD), leading),
             Some(Event::Revised(revisions)) => revised(at(line::REVISE), revisions),
-            Some(Event::Done(done, conclusion)) => tracking::done(at(line::EACH_FRAME), seen, (done, conclusion)),
+            Some(Event::Done(done, conclusion)) => tracking::tell_end(at(line::EACH_FRAME), seen, (done, conclusion)),
         }
     }
 
@@ -196,7 +196,7 @@ fn origin(step: Step, of: Option<(u32, &'static Case)>) -> Step {
 /// Says how a hypothesis explains the detections of a frame.
 fn claims(step: Step, all: &[Claim]) -> Step {
     let origins: Vec<_> = all.iter().map(|claim| (claim.detection, of_claim(claim))).collect();
-    explain::origins(step.say_if(all.is_empty(), case::NONE_TO_EXPLAIN), &origins).say(shared_case::END)
+    explain::tell_origins(step.say_if(all.is_empty(), case::NONE_TO_EXPLAIN), &origins).say(shared_case::END)
 }
 
 fn revised(step: Step, revisions: &[Revision]) -> Step {

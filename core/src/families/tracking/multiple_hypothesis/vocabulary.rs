@@ -6,7 +6,7 @@ use crate::scene::{Role, Unit};
 crate::variables! { pub(super) mod value;
     /// The number of clusters before the frame.
     CLUSTERS_BEFORE: "Clusters before", "", Unit::count("cluster");
-    /// The number of clusters that were merged of several.
+    /// The number of clusters formed by a merge.
     MERGED: "Merged clusters", "", Unit::WHOLE;
     /// The number of hypotheses of all clusters.
     HYPOTHESES: "Hypotheses", "", Unit::count("hypothesis");

@@ -1,6 +1,6 @@
 //! The end of a run: its errors, rejections, bias and consistency, and the remedy.
 
-use super::{case, distance, of_another, shared, trials, tried, value};
+use super::{case, distance, of_another, put_restart, shared, trials, tried, value};
 use crate::families::tracking::kalman_filter::{Event, FrameRecord, Gated, KalmanFilter, State, modes, restart::Retry};
 use crate::methods::kalman::{ConsistencyTest, MotionModel};
 use crate::run::Seen;
@@ -77,7 +77,7 @@ impl KalmanFilter {
         let gated: Vec<&Gated> = state.records.iter().filter_map(|record| record.of_sensor(0)).collect();
         let nis = accepted(state);
         let rejected = gated.len() - nis.len();
-        let step = step.put(value::REJECTED, rejected).put(value::GATED, gated.len());
+        let step = step.put(value::REJECTED, rejected).put(value::TESTED, gated.len());
         let step = step.say_if(rejected > 0, case::GATE_REJECTED);
         let Some(test) = consistency(&nis) else { return step.say(case::UNTESTED) };
         let bias = bias(&nis);
@@ -105,7 +105,7 @@ fn restarted(step: Step, state: &State) -> Step {
     let Some(retry) = &state.retry else { return step };
     let Some(restart) = &retry.restart else { return step };
     let step = tried(step.put(value::DIVERGED_FRAME, retry.frame), &retry.diverged).say(case::HAD_DIVERGED);
-    tried(step.put(value::FIRST_FRAME, restart.first), &restart.trial).say(case::WAS_RESTARTED)
+    put_restart(step, restart).say(case::WAS_RESTARTED)
 }
 
 /// The accepted measurements of a run: rejected ones are of something else, and say nothing about the filter's covariance.

@@ -1,22 +1,11 @@
 //! The formulas of the Kalman filter with their numbers.
 
 use super::{shared, value};
-use crate::base::words::{further_digits, rounded};
+use crate::base::words::rounded;
 use crate::families::tracking::kalman_filter::{Gated, matrices::column, modes};
 use crate::methods::kalman::{Filter, UpdateNumbers};
-use crate::methods::numbers::{LENGTH_DECIMALS, RATIO_DECIMALS};
-use crate::scene::{Number, Role, Step, Value, Variable};
-
-/// A value with further digits.
-pub(in super::super) fn finer(of: &'static Variable, number: impl Into<Number>, further: usize) -> Value {
-    of.is(number).in_unit(of.unit.finer(further as u8))
-}
-
-/// The further digits with which `computed`, by the number of decimals of its terms, gives `result`.
-pub(in super::super) fn digits(result: f64, computed: impl Fn(usize) -> f64) -> usize {
-    let shown = |number| rounded(number, LENGTH_DECIMALS);
-    further_digits(|further| shown(computed(LENGTH_DECIMALS + further)) == shown(result))
-}
+use crate::methods::numbers::{LENGTH_DECIMALS, RATIO_DECIMALS, digits, finer};
+use crate::scene::{Role, Step};
 
 /// Adds the prediction of state and covariance, and that of x with its numbers. A turn is no linear function of the state: the extended
 /// filter applies f, and its Jacobian F to P.
@@ -58,8 +47,7 @@ pub(super) fn prediction(step: Step, [before, after]: &[Filter; 2]) -> Step {
 /// Adds innovation, its covariance, and d² with its numbers beside the gate.
 pub(super) fn gate(step: Step, gated: &Gated) -> Step {
     let Some(numbers) = gated.expected.update_numbers(gated.measurement()) else { return step };
-    let by_rounded = |decimals| numbers.squared_distance_to(decimals).unwrap_or(f64::NAN);
-    let further = digits(numbers.squared_distance, by_rounded);
+    let further = numbers.digits_of_distance();
     let step = step.put_value(finer(shared::INNOVATION, column(&numbers.residual), further));
     let step = step.put_value(finer(shared::INNOVATION_COVARIANCE, numbers.covariance, further));
     let step = step.formula(of_sensor(
@@ -74,7 +62,7 @@ pub(super) fn gate(step: Step, gated: &Gated) -> Step {
 /// Adds gain, updated state and covariance, and the update of x with its numbers.
 pub(super) fn update(step: Step, (gated, numbers): (&Gated, &UpdateNumbers), after: &Filter) -> Step {
     let (gain, residual) = (numbers.gain[(0, 0)], numbers.residual[0]);
-    let has_others = (1..numbers.residual.len()).any(|i| numbers.gain[(0, i)] * numbers.residual[i] != 0.0);
+    let has_others = numbers.is_coupled();
     let (before, after) = (gated.expected.place()[0], after.place()[0]);
     let further = digits(after, |decimals| match has_others {
         true => after,

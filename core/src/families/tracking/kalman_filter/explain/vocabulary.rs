@@ -35,9 +35,19 @@ variables! { pub(in super::super) mod value;
     ACCEPTED: "", "", Unit::WHOLE;
     /// The number of measurements that the gate of that model tests.
     GATED: "", "", Unit::count("measurement");
-    /// The number of measurements that the gate rejects.
+    /// The first frame from which the track is restarted.
+    RESTART_FRAME: "", "", Unit::WHOLE;
+    /// The motion model with which the track is restarted.
+    RESTART_MODEL: "", "", Unit::WHOLE, Role::Result;
+    /// The number of measurements inside the gate of the restarted track.
+    RESTART_ACCEPTED: "", "", Unit::WHOLE;
+    /// The number of measurements that the gate of the restarted track tests.
+    RESTART_GATED: "", "", Unit::WHOLE;
+    /// The number of measurements that the gate tests in the run.
+    TESTED: "", "", Unit::count("measurement");
+    /// The number of measurements that the gate rejects in the run.
     REJECTED: "", "", Unit::WHOLE;
-    /// The share of the measurements that the gate rejects.
+    /// The share of the measurements that the gate rejects in the run.
     SHARE_REJECTED: "", "", Unit::WHOLE_PERCENT;
     /// The mean innovation of the accepted measurements.
     BIAS: "", r"\bar{\nu}", Unit::PX;
@@ -208,9 +218,9 @@ cases! { pub(in super::super) over value, shared;
     DIVERGED: "{error|The filter has diverged}: since frame {first_frame}, {model} accepts {accepted} of {gated}. Filtered again",
     TRIAL: ", {model} accepts {accepted} of {gated}",
     NO_TRIAL: ", no other motion model keeps the track",
-    RESTARTED: ". The track is restarted with {model}, which accepts {accepted} of {gated:bare}: {position}.",
-    STARTED_ANEW: ". It started with something else: from frame {first_frame} the most consistent motion is tracked with {model}, which \
-                   accepts {accepted} of {gated:bare}: {position}.",
+    RESTARTED: ". The track is restarted with {restart_model}, which accepts {restart_accepted} of {restart_gated}: {position}.",
+    STARTED_ANEW: ". It started with something else: from frame {restart_frame} the most consistent motion is tracked with {restart_model}, which \
+                   accepts {restart_accepted} of {restart_gated}: {position}.",
     NOT_RESTARTED: ". No model accepts the rejected ones, so the track goes on as it is.",
     // Smoothing.
     SMOOTHED: "Smoothing frame {frame} with the later measurements moves the estimate by {shift} to {position}. The standard deviation of \
@@ -219,14 +229,14 @@ cases! { pub(in super::super) over value, shared;
     NOTHING_TO_SMOOTH: "Frame {frame} has no estimate to smooth.",
     // The end of a run.
     HAD_DIVERGED: "The filter had diverged in frame {diverged_frame}: {model} accepts {accepted} of {gated}.",
-    WAS_RESTARTED: "The track was restarted from frame {first_frame} with {model} (parameter Motion), which accepts {accepted} of \
-                    {gated:bare}.",
+    WAS_RESTARTED: "The track was restarted from frame {restart_frame} with {restart_model} (parameter Motion), which accepts {restart_accepted} of \
+                    {restart_gated}.",
     TURNS: "The coordinated turn was the more probable mode in {turning} of {frames}. Whether two modes were worth it, the RMS error of \
             one motion model alone shows.",
     BENDS: "The sigma points moved the predicted mean by up to {curvature},",
     BENDS_LITTLE: "little beside the measurement noise: an extended filter does as well here.",
     BENDS_MUCH: "which is not little beside the measurement noise: an extended filter is biased by it.",
-    GATE_REJECTED: "The gate rejected {rejected} of {gated}.",
+    GATE_REJECTED: "The gate rejected {rejected} of {tested}.",
     UNTESTED: "No measurement was accepted, so the innovations do not show whether the covariance is right.",
     BIASED: "The innovations are biased by {bias}: the motion model does not fit.",
     MANY_REJECTED: "With {share_rejected} rejected, the NIS of the rest does not test the filter.",
