@@ -4,7 +4,7 @@ use crate::base::Threads;
 use crate::base::words::{further_digits, rounded};
 use crate::methods::{
     differential::{Advice, FLAT, Field, Linear, explain, numbers, relax},
-    variational::{Explanation, Model, Probe, Settings, Solver, Warp, value as variational},
+    variational::{Explanation, Model, Probe, Settings, Solver, Warp, case as shared, value as variational},
 };
 use crate::run::{Guarantee, Info};
 use crate::scene::{Case, Name, Question, Reply, Role, Step, Unit, Value};
@@ -75,6 +75,9 @@ pseudocode! {
     EXTRAPOLATE: "        (u, v) ← (u, v) + ω ((u, v)_GS − (u, v)); ω = 1 unless SOR",
 }
 
+/// The end of the run tells its result instead of the update.
+const CONCLUDED: &[&Case] = &[shared::FORMULA];
+
 impl Model for HornSchunck {
     const INFO: Info = Info {
         id: "horn-schunck",
@@ -96,6 +99,7 @@ impl Model for HornSchunck {
             line::UPDATE,
             value::SHARE,
         )
+        .unless_told(CONCLUDED)
         .once_per_reference(),
         Question::choice(
             "term",
@@ -106,6 +110,7 @@ impl Model for HornSchunck {
                 Reply::told(line::UPDATE, case::ONLY_SMOOTHNESS, "The smoothness term"),
             ],
         )
+        .unless_told(CONCLUDED)
         .once_per_reference(),
     ];
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 5 };

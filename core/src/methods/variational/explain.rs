@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::Settings;
 use super::model::{Explanation, Model, Probe};
-use super::run::{Event, Note, State, TESTED, Variational};
+use super::run::{Event, Note, State, Variational};
 use super::vocabulary::{case, value};
 use crate::geometry::Grid;
 use crate::methods::differential::explain::{self, View};
@@ -41,12 +41,12 @@ impl<M: Model> Variational<M> {
         let state = seen.before;
         let step = match (seen.events.last(), Probe::at(seen)) {
             (None, _) => return Step::at(line::ENERGY).say(M::OPENING),
-            (Some(Event::Step(index, _)), Some(probe)) => self.iterated(seen, *index, &probe),
+            (Some(Event::Step(index, _)), Some(probe)) => self.tell_iteration(seen, *index, &probe),
             (Some(Event::Medians), _) => {
-                self.placed(line::TAKE_MEDIANS, state).say_if(state.warp == 0, case::UPSAMPLED).say(case::MEDIANS)
+                self.step_at(line::TAKE_MEDIANS, state).say_if(state.warp == 0, case::UPSAMPLED).say(case::MEDIANS)
             }
             _ => {
-                let step = self.placed(line::WARP, state).put(value::WARP, state.warp + 1);
+                let step = self.step_at(line::WARP, state).put(value::WARP, state.warp + 1);
                 let step = step.put(value::WARPS, self.settings().warps).say(case::WARP);
                 step.say(if state.is_first_warp() { case::ZERO_FLOW } else { case::WARPED })
             }
@@ -56,13 +56,13 @@ impl<M: Model> Variational<M> {
     }
 
     /// A step with its level and iteration.
-    fn placed(&self, line: Name, state: &State<M>) -> Step {
+    fn step_at(&self, line: Name, state: &State<M>) -> Step {
         state.fixed.frames.put(Step::at(line), state.level, (state.iteration + 1, self.settings().iterations))
     }
 
     /// The step `index` of an iteration at a pixel.
-    fn iterated(&self, seen: &Seen<Self>, index: usize, probe: &Probe<M>) -> Step {
-        let step = probe.iteration.warp.linear.put(self.placed(self.0.steps()[index], seen.before), probe.place);
+    fn tell_iteration(&self, seen: &Seen<Self>, index: usize, probe: &Probe<M>) -> Step {
+        let step = probe.iteration.warp.linear.put(self.step_at(self.0.steps()[index], seen.before), probe.place);
         let step = match probe.start() {
             Some(start) => step.fact_of(probe.px(explain::value::START, start)),
             None => step,
@@ -74,18 +74,26 @@ impl<M: Model> Variational<M> {
         let is_coarse = seen.after.is_some() && probe.level > 0;
         let full_resolution_flow = is_coarse.then_some([u * across, v * down]);
         let step = explanation.step.fact_if(value::FULL_RESOLUTION_FLOW, full_resolution_flow);
-        self.concluded(seen, step).show(plane)
+        self.conclude(seen, step, probe.iteration.has_converged).show(plane)
     }
 
     /// Adds energy, change and error of an iteration, and the conclusion of the iteration and of the run, at the end of each.
-    fn concluded(&self, seen: &Seen<Self>, step: Step) -> Step {
+    fn conclude(&self, seen: &Seen<Self>, step: Step, has_converged: Option<bool>) -> Step {
         let (Some(after), Some(note)) = (seen.after, self.noted(seen)) else { return step };
         let Settings { iterations, tolerance, .. } = self.settings();
-        let number = seen.before.iteration + 1;
-        let is_tested = tolerance > 0.0 && number.is_multiple_of(TESTED);
+        let is_last = seen.before.iteration + 1 == iterations;
+        // Beside the tolerance the change has one decimal more: the tolerance may be smaller than the decimals of a displacement.
+        let (told, further) = match has_converged {
+            _ if seen.point().is_some() => (None, 0),
+            Some(true) if !after.is_done => (Some(case::CONVERGED), 1),
+            Some(false) if after.is_done => (Some(case::NOT_CONVERGED), 1),
+            _ if after.is_done => (None, 0),
+            _ if is_last => (Some(case::LAST_ITERATION), 0),
+            Some(_) => (Some(case::NEXT_ITERATION), 1),
+            None => (Some(explain::case::MEAN_CHANGE), 0),
+        };
         let change = mean_change(seen.before.level, note.change);
-        // The tolerance may be smaller than the decimals of a displacement.
-        let unit = change.unit.finer(u8::from(is_tested));
+        let unit = change.unit.finer(further);
         let energy = |of: &'static Variable, term: f32| of.is(term).in_unit(Unit::new(M::ENERGY_UNIT, 2));
         let step = step
             .put(value::TOLERANCE, tolerance)
@@ -93,25 +101,16 @@ impl<M: Model> Variational<M> {
             .fact_as(energy(value::DATA_TERM, note.data), case::ENERGY)
             .fact_of(change.in_unit(unit))
             .fact_if(explain::value::ITERATION_ERROR, note.error.is_finite().then_some(note.error));
-        let has_converged = is_tested && note.change < tolerance;
-        if seen.point().is_some() {
-            return step;
-        }
-        if !after.is_done {
-            return step.say(match is_tested {
-                _ if has_converged => case::CONVERGED,
-                _ if number == iterations => case::LAST_ITERATION,
-                true => case::NEXT_ITERATION,
-                false => explain::case::MEAN_CHANGE,
-            });
+        let say = |step: Step| told.into_iter().fold(step, Step::say);
+        if seen.point().is_some() || !after.is_done {
+            return say(step);
         }
         let frames = &after.fixed.frames;
         let [across, down] = frames.scale(frames.count() - 1);
         let conclusion = Conclusion::new(&frames.frame_pair, &after.flow(), across.max(down));
         // The end of the run is about its result alone; the change in the last iteration is among the facts.
         let step = conclusion.tell(Step { sentence: Sentence::default(), ..step }, &M::ADVICE);
-        let step = step.say_if(is_tested && !has_converged, case::NOT_CONVERGED);
-        step.put(value::FORMULA, self.0.last_formula()).say(case::FORMULA)
+        say(step).put(value::FORMULA, self.0.last_formula()).say(case::FORMULA)
     }
 
     /// Returns energy, change and error of the iteration that ends at the cursor.

@@ -18,4 +18,4 @@ pub use model::{Explanation, Model, Probe, Warp};
 pub use primal_dual::Dual;
 pub use run::Variational;
 pub use solver::Solver;
-pub use vocabulary::value;
+pub use vocabulary::{case, value};

@@ -119,13 +119,15 @@ pub struct Iteration<M: Model> {
     pub from: Arc<M::Unknowns>,
     /// The unknowns after it.
     pub to: Arc<M::Unknowns>,
+    /// Whether it met the stopping criterion; `None` where that was not tested.
+    pub(super) has_converged: Option<bool>,
     /// Energy, change and error.
     pub(super) note: OnceLock<Note>,
 }
 
 impl<M: Model> Iteration<M> {
-    pub(super) fn new(warp: Arc<Warp<M>>, from: Arc<M::Unknowns>, to: Arc<M::Unknowns>) -> Self {
-        Self { warp, from, to, note: OnceLock::new() }
+    pub(super) fn new(warp: Arc<Warp<M>>, [from, to]: [Arc<M::Unknowns>; 2], has_converged: Option<bool>) -> Self {
+        Self { warp, from, to, has_converged, note: OnceLock::new() }
     }
 }
 

@@ -102,7 +102,7 @@ impl Fixed {
 }
 
 /// Iterations of a warp after which its stopping criterion is tested: every so many.
-pub(super) const TESTED: usize = 8;
+const TESTED: usize = 8;
 
 /// Number of further iterations up to the next plotted one, after `iteration` of a warp. Energy, change and error are plotted
 /// after iterations 1, 2, 4, 8 and so on of each warp, and after its last: there the curves bend, and as they take about as long as an
@@ -202,13 +202,14 @@ impl<M: Model> Variational<M> {
         } else {
             (self.0.iterate(&warp, &from, count, threads), None)
         };
-        let to = Arc::new(to);
-        let mut done = Done { place: (state.level, state.warp), count, warp, from, to, change, is_plotted };
+        let (place, to) = ((state.level, state.warp), Arc::new(to));
+        let has_converged = change.filter(|_| is_tested).map(|change| change < f64::from(tolerance));
+        let mut done = Done { place, count, warp, from, to, change, has_converged, is_plotted };
         state.unknowns = Arc::clone(&done.to);
         state.constraints = Constraints::Made(Arc::clone(&done.warp));
         (state.iteration, state.done) = (state.iteration + count, state.done + count);
         // Whether the iteration was the last of its warp.
-        if end >= iterations || is_tested && change.is_some_and(|change| change < f64::from(tolerance)) {
+        if end >= iterations || has_converged == Some(true) {
             (state.iteration, state.warp) = (0, state.warp + 1);
             state.constraints = Constraints::Next;
             done.is_plotted = plots;
@@ -256,6 +257,7 @@ impl<M: Model> Variational<M> {
                 from: Arc::clone(&iteration.from),
                 to: Arc::clone(&iteration.to),
                 change: None,
+                has_converged: iteration.has_converged,
                 is_plotted: false,
             };
             self.note(&before.fixed.frames, before.done + 1, &done)
@@ -291,6 +293,8 @@ struct Done<M: Model> {
     to: Arc<M::Unknowns>,
     /// Mean change of the flow in the last of them, in px of level 0, if it was measured.
     change: Option<f64>,
+    /// Whether it met the stopping criterion, if that was tested.
+    has_converged: Option<bool>,
     /// Whether the last of them is plotted.
     is_plotted: bool,
 }
@@ -353,8 +357,8 @@ impl<M: Model> Estimator for Variational<M> {
         for step in 0..self.0.steps().len() {
             observer.see(|| {
                 let parts = || {
-                    let [from, to] = [&done.from, &done.to].map(Arc::clone);
-                    Arc::new(Iteration::new(Arc::clone(&done.warp), from, to))
+                    let unknowns = [&done.from, &done.to].map(Arc::clone);
+                    Arc::new(Iteration::new(Arc::clone(&done.warp), unknowns, done.has_converged))
                 };
                 Event::Step(step, Arc::clone(iteration.get_or_insert_with(parts)))
             });

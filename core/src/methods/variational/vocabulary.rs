@@ -33,10 +33,10 @@ variables! { pub mod value;
     FORMULA: "", "", Unit::WHOLE;
 }
 
-cases! { pub(super) over value, differential;
+cases! { pub over value, differential;
     UPSAMPLED: "The flow of the coarser level is upsampled to this level, and its vectors are scaled by the same factor.",
     MEDIANS: "A 3×3 median filter on u and v removes outliers, so that they do not enter the next linearisation.",
-    WARP: "Level {level} ({width}×{height}), warp {warp} of {warps}:",
+    WARP: "Level {level} ({width:bare}×{height}), warp {warp} of {warps}:",
     ZERO_FLOW: "the flow is still 0, so the derivatives are taken from both frames without warping.",
     WARPED: "frame t+1 is warped toward frame t by the current flow (u₀, v₀), and brightness constancy is linearised again. I_t is now \
              the residual that the current flow leaves.",
