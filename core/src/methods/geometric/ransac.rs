@@ -72,15 +72,25 @@ fn sums_body(errors: &[f64], limit: f64) -> [f64; 2] {
     lanes.map(|lanes| lanes.iter().sum())
 }
 
+/// A number of samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Samples {
+    /// The number.
+    pub count: usize,
+    /// Whether it is the maximum, and more would be needed.
+    pub is_limited: bool,
+}
+
 /// Number of samples after which one without outliers was drawn with probability `confidence`, for a share of inliers: log(1 − p) / log(1 −
 /// wⁿ). At most `most`.
-pub fn samples_needed(share: f64, sample_size: usize, confidence: f64, most: usize) -> usize {
+pub fn samples_needed(share: f64, sample_size: usize, confidence: f64, most: usize) -> Samples {
     let all_inliers = share.powi(sample_size as i32);
     if all_inliers >= 1.0 {
-        return 1;
+        return Samples { count: 1, is_limited: false };
     }
     let count = (1.0 - confidence).ln() / (1.0 - all_inliers).ln();
-    if count.is_finite() && count < most as f64 { (count.ceil() as usize).max(1) } else { most }
+    let is_limited = !(count.is_finite() && count <= most as f64);
+    Samples { count: if is_limited { most } else { (count.ceil() as usize).max(1) }, is_limited }
 }
 
 /// The sample of an iteration: `size` different indices below `count`, drawn from a hash of the seed and the iteration.
@@ -110,9 +120,10 @@ mod tests {
     fn the_number_of_samples_is_that_of_the_book() {
         // Hartley and Zisserman 2004, table 4.3, p = 0.99.
         for (size, share, expected) in [(2, 0.5, 17), (4, 0.5, 72), (4, 0.7, 17), (7, 0.6, 163), (8, 0.5, 1177)] {
-            assert_eq!(samples_needed(share, size, 0.99, 100_000), expected, "{size}, {share}");
+            assert_eq!(samples_needed(share, size, 0.99, 100_000).count, expected, "{size}, {share}");
         }
-        assert_eq!((samples_needed(1.0, 4, 0.99, 500), samples_needed(0.0, 4, 0.99, 500)), (1, 500));
+        assert_eq!(samples_needed(1.0, 4, 0.99, 500), Samples { count: 1, is_limited: false });
+        assert_eq!(samples_needed(0.0, 4, 0.99, 500), Samples { count: 500, is_limited: true });
     }
 
     #[test]

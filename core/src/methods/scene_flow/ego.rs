@@ -123,7 +123,7 @@ impl<'a> Ego<'a> {
             if let Some(fit) = fit.filter(|fit| best.is_none_or(|best| fit.score.is_better(&best.score))) {
                 best = Some(fit);
                 let share = fit.score.inliers as f64 / count as f64;
-                needed = samples_needed(share, FEWEST, CONFIDENCE, self.settings.iterations);
+                needed = samples_needed(share, FEWEST, CONFIDENCE, self.settings.iterations).count;
             }
             let sample = Some([0, 1, 2].map(|i| drawn[i] as u32));
             tell(Draw { sample, fit, best, drawn: found.drawn, needed });

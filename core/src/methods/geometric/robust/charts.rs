@@ -13,7 +13,7 @@ use crate::scene::{Link, Matrix, Picture, Readout, Role, Scene, Series, Shape, S
 
 impl<M: RobustModel> Robust<M> {
     /// Adds the matrices of a step, if it has none of its own, and the chart of the inliers.
-    pub(super) fn charted(&self, step: Step, seen: &Seen<Self>, event: &Event) -> Step {
+    pub(super) fn add_charts(&self, step: Step, seen: &Seen<Self>, event: &Event) -> Step {
         let (best, system) = (self.best_now(seen), self.system(seen, event));
         let has_own = step.readouts.iter().any(|of| matches!(of, Readout::Matrices(_)));
         let step = match system.equations {

@@ -4,10 +4,11 @@ use super::declare::line;
 use super::doubt::{Doubt, LEAST_SPREAD_PX, distinct};
 use super::vocabulary::{case, value};
 use super::{Best, Estimate, Event, Place, Robust, RobustModel, Settings, State};
-use crate::methods::geometric::ransac::{Score, Scoring, chosen};
+use crate::base::words::further_digits;
+use crate::methods::geometric::ransac::{Samples, Score, Scoring, chosen};
 use crate::products::model::Matrix3;
 use crate::run::Seen;
-use crate::scene::{Name, Number, Role, Step};
+use crate::scene::{Name, Number, Role, Step, Unit, Value};
 
 impl<M: RobustModel> Robust<M> {
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
@@ -15,43 +16,46 @@ impl<M: RobustModel> Robust<M> {
             let step = Step::at(line::MATCH).put(value::MATCHES, seen.before.fixed.matches.len());
             return step.put(value::MODEL, self.0.name()).say(case::OPENING);
         };
-        let at = |line: Name| self.measured(Step::at(line), seen, event);
+        let at = |line: Name| self.put(Step::at(line), seen, event);
         let state = seen.before;
         let step = match event {
-            Event::TooFew => self.too_few(at(line::REPEAT), state),
+            Event::TooFew => self.tell_too_few(at(line::REPEAT), state),
             Event::Sample(_) => self.0.counting(at(line::DRAW).say(case::SAMPLE)),
-            Event::Degenerate => self.degenerate(at(line::HYPOTHESISE).say(case::DEGENERATE), seen).say(case::SKIPPED),
+            Event::Degenerate => {
+                self.tell_degenerate(at(line::HYPOTHESISE).say(case::DEGENERATE), seen).say(case::SKIPPED)
+            }
             Event::Hypothesis(_) => at(line::HYPOTHESISE).put(value::SYMBOL, M::SYMBOL).say(case::HYPOTHESIS),
-            Event::Scored(score, is_best) => self.scored(at(line::COUNT), score, *is_best),
-            Event::Local(_, score) => fitted(at(line::OPTIMISE), score, Role::Candidate).say(case::LOCAL),
-            Event::Best(needed) => {
-                let is_most = *needed == self.0.settings().max_iterations;
-                at(line::KEEP_BEST).say(case::BEST).say(if is_most { case::NEEDED_AT_MOST } else { case::NEEDED })
+            Event::Scored(score, is_best) => self.tell_score(at(line::COUNT), score, *is_best),
+            Event::Local(_, score) => put_fit(at(line::OPTIMISE), score, Role::Candidate).say(case::LOCAL),
+            Event::Best(Samples { is_limited, .. }) => {
+                at(line::KEEP_BEST).say(case::BEST).say(if *is_limited { case::NEEDED_AT_MOST } else { case::NEEDED })
             }
             Event::Resampled(tried, _, score) => {
-                let step = fitted(at(line::OPTIMISE), score, Role::Best).put(value::MODEL_COST, score.cost);
+                let step = put_fit(at(line::OPTIMISE), score, Role::Best).put(value::MODEL_COST, score.cost);
                 let step = step.put(value::RESAMPLED, *tried).put(value::RESAMPLE_SIZE, self.0.resample_size());
                 step.say(case::RESAMPLED)
             }
             Event::Sequel(index, best) => {
                 self.0.sequel(at(M::SEQUELS[*index]), *index, &ended(state, *best), seen.focus)
             }
-            Event::Refit(_, score) => fitted(at(line::REFIT), score, Role::Result).say(case::REFIT).say(case::FITTED),
-            Event::Kept(_, score) => fitted(at(line::REFIT), score, Role::Result).say(case::KEPT).say(case::FITTED),
-            Event::Doubted(doubt) => doubted(at(line::REFIT).say(case::DOUBTED), *doubt, state),
+            Event::Refit(_, score) => put_fit(at(line::REFIT), score, Role::Result).say(case::REFIT).say(case::FITTED),
+            Event::Kept(_, score) => put_fit(at(line::REFIT), score, Role::Result).say(case::KEPT).say(case::FITTED),
+            Event::Doubted(doubt) => tell_doubt(at(line::REFIT).say(case::DOUBTED), *doubt, state),
         };
-        self.charted(self.formulas(self.concluded(step, seen), seen), seen, event)
+        self.add_charts(self.formulas(self.conclude(step, seen), seen), seen, event)
     }
 
     /// Puts the matches, the iterations and the best model at the end of the events so far.
-    fn measured(&self, step: Step, seen: &Seen<Self>, event: &Event) -> Step {
+    fn put(&self, step: Step, seen: &Seen<Self>, event: &Event) -> Step {
         let (state, best, count) = (seen.before, self.best_now(seen), seen.before.fixed.points.len());
         let (iterations, size) = (state.consensus.iterations + usize::from(!is_last(event)), self.0.sample_size());
-        let needed = if let Event::Best(needed) = event { *needed } else { state.consensus.needed };
+        let needed = if let Event::Best(samples) = event { samples.count } else { state.consensus.needed };
         let Settings { confidence, max_iterations, threshold, .. } = *self.0.settings();
+        let confidence = f64::from(confidence);
         let step =
             step.put(value::MODEL, self.0.name()).put(value::SAMPLE_SIZE, size).put(value::DISTANCE, M::DISTANCE);
-        let step = step.put(value::THRESHOLD, threshold).put(value::CONFIDENCE, confidence);
+        let step =
+            step.put(value::THRESHOLD, threshold).put(value::CONFIDENCE, confidence).put_value(percent(confidence));
         let step = step.put(value::MAX_ITERATIONS, max_iterations).put(value::DISTINCT, state.fixed.distinct);
         let mut step = step.fact(value::MATCHES, count).fact(value::ITERATIONS, iterations);
         if let Some((_, score)) = best {
@@ -66,7 +70,7 @@ impl<M: RobustModel> Robust<M> {
         step.fact(value::NEEDED, needed)
     }
 
-    fn degenerate(&self, step: Step, seen: &Seen<Self>) -> Step {
+    fn tell_degenerate(&self, step: Step, seen: &Seen<Self>) -> Step {
         let drawn = seen.events.iter().rev().find_map(|event| match event {
             Event::Sample(indices) => Some(chosen(&seen.before.fixed.points, indices)),
             _ => None,
@@ -78,7 +82,7 @@ impl<M: RobustModel> Robust<M> {
         }
     }
 
-    fn too_few(&self, step: Step, state: &State) -> Step {
+    fn tell_too_few(&self, step: Step, state: &State) -> Step {
         let size = self.0.sample_size();
         match (state.fixed.points.len() < size, state.fixed.distinct < size) {
             (true, _) => step.say(case::TOO_FEW).say(case::ADVISE_MATCHES),
@@ -87,7 +91,7 @@ impl<M: RobustModel> Robust<M> {
         }
     }
 
-    fn scored(&self, step: Step, score: &Score, is_best: bool) -> Step {
+    fn tell_score(&self, step: Step, score: &Score, is_best: bool) -> Step {
         let is_first = step.value(value::BEST_INLIERS).is_none();
         let step = step.put_value(value::INLIERS.is(score.inliers).inked(Role::Candidate)).say(case::SCORED);
         let is_ransac = self.0.settings().scoring == Scoring::Ransac;
@@ -135,7 +139,7 @@ impl<M: RobustModel> Robust<M> {
         best
     }
 
-    fn concluded(&self, step: Step, seen: &Seen<Self>) -> Step {
+    fn conclude(&self, step: Step, seen: &Seen<Self>) -> Step {
         let Some((after, Best { matrix, .. })) = seen.after.and_then(|after| Some((after, after.consensus.fitted?)))
         else {
             return step;
@@ -163,6 +167,14 @@ impl<M: RobustModel> Robust<M> {
     }
 }
 
+/// A confidence in percent, with as many decimals as it takes not to be written as certainty.
+fn percent(confidence: f64) -> Value {
+    let percent = value::CONFIDENCE_PERCENT.is(100.0 * confidence);
+    let finer = |further: &usize| percent.clone().in_unit(Unit::PERCENT.finer(*further as u8));
+    let further = further_digits(|further| finer(further).rounded() < Some(100.0));
+    finer(&further)
+}
+
 /// The RMS distance of the inliers, if there are any.
 fn rms(score: &Score) -> Number {
     match score.inliers {
@@ -172,12 +184,12 @@ fn rms(score: &Score) -> Number {
 }
 
 /// Puts the inliers of the model of the step, and their distance.
-fn fitted(step: Step, score: &Score, role: Role) -> Step {
+fn put_fit(step: Step, score: &Score, role: Role) -> Step {
     step.put_value(value::INLIERS.is(score.inliers).inked(role)).put(value::RMS, rms(score))
 }
 
 /// Tells why the model is rejected.
-fn doubted(step: Step, doubt: Doubt, state: &State) -> Step {
+fn tell_doubt(step: Step, doubt: Doubt, state: &State) -> Step {
     match doubt {
         Doubt::OnLine { inliers, spread_px } => {
             let step = step.put(value::SUPPORT, inliers).put(value::SPREAD, spread_px);

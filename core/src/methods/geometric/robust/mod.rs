@@ -11,7 +11,7 @@ mod vocabulary;
 use std::sync::Arc;
 
 use super::Correspondence;
-use super::ransac::{Score, Scoring, chosen, sample, samples_needed};
+use super::ransac::{Samples, Score, Scoring, chosen, sample, samples_needed};
 use super::system::System;
 use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::{Clip, Flow};
@@ -222,7 +222,7 @@ pub enum Event {
     /// The new best hypothesis was fitted to its inliers.
     Local(Matrix3, Score),
     /// The hypothesis is the best so far; so many iterations are needed with it.
-    Best(usize),
+    Best(Samples),
     /// The best hypothesis was compared with so many models through samples of its inliers; the best of all, and its score.
     Resampled(usize, Matrix3, Score),
     /// The model was fitted to all inliers, which lowers its cost.
@@ -376,8 +376,9 @@ impl<M: RobustModel> Robust<M> {
             best = Best { matrix, score };
         }
         let share = best.score.inliers as f64 / points.len() as f64;
-        consensus.needed = samples_needed(share, self.0.sample_size(), confidence.into(), max_iterations);
-        observer.see(|| Event::Best(consensus.needed));
+        let samples = samples_needed(share, self.0.sample_size(), confidence.into(), max_iterations);
+        consensus.needed = samples.count;
+        observer.see(|| Event::Best(samples));
         consensus.best = Some(best);
     }
 

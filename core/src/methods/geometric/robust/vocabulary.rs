@@ -1,6 +1,6 @@
 //! The values that explain robust estimation, and the cases of all robust estimators.
 
-use crate::scene::{Role, Unit};
+use crate::scene::{Decimals, Role, Unit};
 
 /// A sum of limited squared distances.
 const COST: Unit = Unit::new("px²", 3);
@@ -25,7 +25,9 @@ crate::variables! { pub(crate) mod value;
     /// The largest number of iterations.
     MAX_ITERATIONS: "", "", Unit::WHOLE;
     /// The probability with which a sample without outliers is drawn.
-    CONFIDENCE: "", "p", Unit::SET;
+    CONFIDENCE: "", "p", Unit { name: "", decimals: Decimals::AtMost(6) };
+    /// The same probability in percent.
+    CONFIDENCE_PERCENT: "", "", Unit::PERCENT;
     /// The share of inliers of the best hypothesis.
     SHARE: "", "w", Unit::RATIO, Role::Best;
     /// The probability that a sample has no outliers.
@@ -93,7 +95,7 @@ crate::cases! { pub(crate) over value;
     BEST: "New best hypothesis: with a share of inliers w = {share}, a sample of {sample_size:bare} has no outliers with probability \
            wⁿ = {purity}, so",
     NEEDED_AT_MOST: "the maximum of {needed} is kept.",
-    NEEDED: "a sample without outliers is drawn in {needed} with probability {confidence}.",
+    NEEDED: "a sample without outliers is drawn in {needed} with probability {confidence_percent}.",
     RESAMPLED: "Local optimisation of the best hypothesis: {resampled} fitted to {resample_size} of its inliers each, then to their \
                 own inliers. The best of all has {inliers} and a cost of {model_cost}.",
     REFIT: "Least squares over all inliers:",
