@@ -188,7 +188,7 @@ impl RobustModel for EpipolarGeometry {
     }
 
     fn sequel(&self, step: Step, index: usize, estimate: &Estimate<'_>, focus: Option<Focus>) -> Step {
-        if index == 0 { self.guided(step, estimate, focus) } else { self.rectified(step, estimate) }
+        if index == 0 { self.tell_guidance(step, estimate, focus) } else { self.tell_rectification(step, estimate) }
     }
 
     fn draw_sequel(&self, index: usize, estimate: &Estimate<'_>, focus: Option<Focus>, scene: &mut Scene) {

@@ -40,7 +40,7 @@ variables! { pub mod value;
     /// The coarsest level of the pyramid.
     COARSEST_LEVEL: "", "", Unit::WHOLE;
     /// The width of the level in its pixels.
-    WIDTH: "", "", Unit::WHOLE;
+    WIDTH: "", "", Unit::new("px", 0);
     /// The height of the level in its pixels.
     HEIGHT: "", "", Unit::new("px", 0);
     /// The number of the iteration.
@@ -54,7 +54,7 @@ variables! { pub mod value;
 }
 
 cases! { pub over value;
-    LEVEL: "{level} ({coarsest_level} is the coarsest), {width}×{height}",
+    LEVEL: "{level} ({coarsest_level} is the coarsest), {width:bare}×{height}",
     ITERATION: "{iteration} of {iterations}",
     MEAN_CHANGE: "Mean change of the iteration: {mean_change}.",
 }

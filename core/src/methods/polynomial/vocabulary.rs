@@ -45,7 +45,7 @@ variables! { pub mod value;
 }
 
 cases! { pub over value, differential;
-    EXPANDED: "Level {level} ({width}×{height}): polynomial expansion fits x · A x + b · x + c to the Gaussian-weighted neighbourhood of \
+    EXPANDED: "Level {level} ({width:bare}×{height}): polynomial expansion fits x · A x + b · x + c to the Gaussian-weighted neighbourhood of \
                every pixel in both frames. At {reference|pixel} {pixel} the gradient is b₁ = {b_1}.",
     PRIOR: "Prior displacement of {reference|pixel} {pixel}: {prior}.",
     PAIRED: "Rounded to whole px, it selects the polynomial {rounded_prior} away in frame t+1.",

@@ -33,7 +33,7 @@ fn beside_px(estimate: &Estimate<'_>, frame: usize) -> Option<f64> {
 }
 
 /// The right ones among matches with a known true displacement, if there are any.
-fn compared(all: &[Match], estimate: &Estimate<'_>) -> Option<MatchErrors> {
+fn compare_with_truth(all: &[Match], estimate: &Estimate<'_>) -> Option<MatchErrors> {
     Some(MatchField::compare(all.iter(), estimate.truth?)).filter(|errors| errors.known > 0)
 }
 
@@ -62,10 +62,10 @@ impl EpipolarGeometry {
         all
     }
 
-    pub(super) fn guided(&self, step: Step, estimate: &Estimate<'_>, focus: Option<Focus>) -> Step {
+    pub(super) fn tell_guidance(&self, step: Step, estimate: &Estimate<'_>, focus: Option<Focus>) -> Step {
         let Some(Best { matrix, .. }) = estimate.best else { return step };
         let (plain, found) = (self.unguided(estimate), self.along_lines(estimate, &matrix));
-        let [before, after] = [&plain, &found].map(|all| compared(all, estimate));
+        let [before, after] = [&plain, &found].map(|all| compare_with_truth(all, estimate));
         let (mut step, unguided) = (step, value::UNGUIDED.is(plain.len()));
         if let Some(errors) = before {
             step = step.put(value::UNGUIDED_RIGHT, errors.right).put(value::UNGUIDED_KNOWN, errors.known);
@@ -149,7 +149,7 @@ impl EpipolarGeometry {
         rectify(&matrix, &inliers, estimate.size()).map(|found| (found, inliers))
     }
 
-    pub(super) fn rectified(&self, step: Step, estimate: &Estimate<'_>) -> Step {
+    pub(super) fn tell_rectification(&self, step: Step, estimate: &Estimate<'_>) -> Step {
         let of_epipole =
             |step: Step, i: usize| step.put(value::SYMBOL, EPIPOLES[i].0).put(value::PICTURE, EPIPOLES[i].1);
         let (found, inliers) = match self.rectification(estimate) {
@@ -163,18 +163,22 @@ impl EpipolarGeometry {
         let ((width, height), (frame, stretch)) = (found.size, found.stretch(estimate.size()));
         let off = found.row_error_px(&inliers);
         let step = step.put(value::HEIGHT, height).fact_as(value::WIDTH.is(width), case::SIZE);
-        let step = step.fact_if(value::ROW_ERROR, off).fact(value::STRETCH, stretch).say(case::RECTIFIED);
+        let step = match off {
+            Some(off) => step.fact(value::ROW_ERROR, off),
+            None => step.fact_as(value::ROW_ERROR.is("undefined"), case::NO_ROW_ERROR),
+        };
+        let step = step.fact(value::STRETCH, stretch).say(case::RECTIFIED);
         let step = step.show(Readout::Matrices(vec![
             matrix("H", "rectifies frame t", Role::Reference, &found.maps[0]),
             matrix("H′", "rectifies frame t+1", Role::Result, &found.maps[1]),
         ]));
-        let step = match off {
-            Some(_) => step.say(case::ROWS_DIFFER),
-            None => return step,
-        };
+        let (rows, before) = if off.is_some() { (case::ROWS_DIFFER, case::BUT) } else { (case::NO_ROWS, case::AND) };
         match beside_px(estimate, frame).filter(|_| stretch > DISTORTED) {
-            Some(beside) => of_epipole(step, frame).put(value::BESIDE, beside).say(case::DISTORTED),
-            None => step.say(case::SEARCH),
+            Some(beside) => {
+                let step = of_epipole(step, frame).put(value::BESIDE, beside);
+                step.say(rows).say(before).say(case::DISTORTED)
+            }
+            None => step.say(rows).say(case::SEARCH),
         }
     }
 

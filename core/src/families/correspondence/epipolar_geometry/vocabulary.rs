@@ -64,9 +64,9 @@ crate::variables! { pub(super) mod value;
     /// The number of keypoints of frame t+1.
     KEYPOINTS: "", "", Unit::WHOLE;
     /// The width of the rectified pictures.
-    WIDTH: "Rectified pictures", "", Unit::WHOLE;
+    WIDTH: "Rectified pictures", "", Unit::new("px", 0);
     /// The height of the rectified pictures.
-    HEIGHT: "", "", Unit::WHOLE;
+    HEIGHT: "", "", Unit::new("px", 0);
     /// The mean difference of the rows of corresponding points.
     ROW_ERROR: "Mean difference of rows", "", Unit::PX, Role::Result;
     /// The largest ratio of areas before and after rectification.
@@ -121,11 +121,15 @@ crate::cases! { pub(super) over value, shared;
     LESS_PRECISE: "The share of right ones falls from {unguided_precision} to {guided_precision}: wrong candidates near the line pass \
                    more easily, and {without_second} had no second candidate, and so no ratio test.",
     NEAR_OF: "{near} of {keypoints}",
-    SIZE: "{width}×{height} px",
+    SIZE: "{width:bare}×{height}",
     RECTIFIED: "Rectification: both frames are warped so that epipolar lines are horizontal and corresponding ones lie in the same row.",
+    NO_ROW_ERROR: "none, as no inlier lies on both pictures",
     ROWS_DIFFER: "The rows of the inliers differ by {row_error} on average",
+    NO_ROWS: "No inlier lies on both rectified pictures",
+    BUT: ", but",
+    AND: ";",
     SEARCH: "; the search for a match is along a row, as in stereo vision.",
-    DISTORTED: ", but the epipole {symbol} lies only {beside} beside {picture}: areas next to it are magnified {stretch} times as much \
+    DISTORTED: "the epipole {symbol} lies only {beside} beside {picture}: areas next to it are magnified {stretch} times as much \
                 as those far from it, so most of the picture is a sliver. Guided matching needs no rectification; a polar \
                 rectification keeps the lengths of epipolar lines.",
     EPIPOLE_INSIDE: "{rejected|Rectification is impossible}: the epipole {symbol} lies inside {picture} at {epipole_inside:bare}. A \

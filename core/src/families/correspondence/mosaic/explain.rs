@@ -21,10 +21,8 @@ const SEAMS_PX: f64 = 3.0;
 variables! {
     /// The frame that gives the mosaic its coordinates.
     REFERENCE: "Reference frame", "c", Unit::WHOLE;
-    /// Width and height of the mosaic.
-    SIZE: "Mosaic", "", Unit::WHOLE, Role::Result;
     /// The width of the mosaic.
-    WIDTH: "Width", "", Unit::WHOLE, Role::Result;
+    WIDTH: "Mosaic", "", Unit::new("px", 0), Role::Result;
     /// The height of the mosaic.
     HEIGHT: "Height", "", Unit::new("px", 0), Role::Result;
     /// The number of frames of the run.
@@ -75,7 +73,7 @@ impl Mosaic {
             }
             Some(Event::Bounded(canvas)) => {
                 let (frames, reference) = (chain.to_frames.len(), chain.span.first + seen.before.reference());
-                let step = sized(Step::at(line::BOUND), canvas).fact(value::WHOLE_FRAMES, canvas.complete);
+                let step = put_size(Step::at(line::BOUND), canvas).fact(value::WHOLE_FRAMES, canvas.complete);
                 let step = step.fact(value::REFERENCE, reference).put(value::CUT_FRAMES, frames - canvas.complete);
                 let step = match frames - canvas.complete {
                     0 => step.say(case::BOUNDED).say(case::END),
@@ -96,7 +94,7 @@ impl Mosaic {
                     (_, Blending::Newest) => case::NEWEST,
                 });
                 match seen.after.filter(|after| after.done.is_some()) {
-                    Some(after) => concluded(step.say(case::COVERED), seen, after),
+                    Some(after) => conclude_run(step.say(case::COVERED), seen, after),
                     None => step.say(case::COVERED),
                 }
             }
@@ -127,10 +125,10 @@ impl Mosaic {
     }
 }
 
-/// Adds the size of the mosaic.
-fn sized(step: Step, canvas: &Sheet) -> Step {
+/// Puts the size of the mosaic.
+fn put_size(step: Step, canvas: &Sheet) -> Step {
     let (width, height) = canvas.window.size;
-    step.put(value::WIDTH, width).put(value::HEIGHT, height).fact_as(value::SIZE.is((width, height)), case::SIZE)
+    step.put(value::HEIGHT, height).fact_as(value::WIDTH.is(width), case::SIZE)
 }
 
 /// A step of a frame with its numbers, its maps and the path.
@@ -139,13 +137,13 @@ fn frame_step(line: Name, seen: &Seen<Mosaic>, placed: &Placed) -> Step {
     let mut matrices = vec![matrix("P", "from the first frame", Role::Measured, &chain.to_frames[state.placed])];
     matrices.extend(placed.map.as_ref().map(|map| matrix("A", "to the mosaic", Role::Result, map)));
     let step = Step::at(line).fact(path::FRAME, chain.span.first + state.placed);
-    let step = sized(step, &placed.canvas).fact(value::BLENDED, state.placed + 1);
+    let step = put_size(step, &placed.canvas).fact(value::BLENDED, state.placed + 1);
     let step = step.put(value::REFERENCE, chain.span.first + state.reference()).formula("A = P(c) P(t)^{-1}");
     step.show(Readout::Matrices(matrices)).show_all(path_series(chain, &[], seen.clip))
 }
 
 /// The conclusion of the run.
-fn concluded(step: Step, seen: &Seen<Mosaic>, after: &State) -> Step {
+fn conclude_run(step: Step, seen: &Seen<Mosaic>, after: &State) -> Step {
     let step = step.put(value::FRAMES, after.chain.to_frames.len()).say(case::CONCLUDED);
     let step = match after.chain.field(&[], Views::None).errors(seen.clip).map(|errors| errors.drift_px) {
         Err(error) => step.put(path::READ_ERROR, error.to_string()).say(case::UNKNOWN_DRIFT),
