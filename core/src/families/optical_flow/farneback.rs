@@ -1,20 +1,20 @@
 //! Farnebäck's method: displacement estimation from polynomial expansions of both frames.
 
+mod explain;
+
 use std::sync::Arc;
 
 use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::Clip;
 use crate::geometry::Grid;
 use crate::methods::{
-    differential::{Advice, Conclusion, Field, Multiscale, Weights, Window, explain, field, mean_change, relax},
-    polynomial::{
-        self, Applicability, Estimate, Expander, ExpansionPair, Inspected, Packed, Part, Probe, WindowSolver,
-    },
+    differential::{Field, Multiscale, Weights, Window, explain as shared, field, relax},
+    polynomial::{self, Applicability, Estimate, Expander, ExpansionPair, Packed, Part, WindowSolver},
 };
 use crate::products::{Confidence, DenseField, Output, Product, ProductKind};
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Focus, Question, Readout, Reply, Role, Scene, Series, Step};
-use crate::{cases, params, pseudocode};
+use crate::scene::{Chart, Focus, Question, Readout, Reply, Scene, Step};
+use crate::{params, pseudocode};
 
 params! {
     /// Farnebäck's method: a quadratic polynomial approximates the neighbourhood of each pixel. A shift of the image by d
@@ -38,10 +38,6 @@ params! {
     renamed { "neighborhood" => "poly-n", "sigma" => "poly-sigma" }
     advanced { "weights", "damping" }
 }
-
-/// What would help where Farnebäck's method fails.
-const ADVICE: Advice =
-    Advice { texture: case::ADVISE_TEXTURE, boundary: case::ADVISE_BOUNDARY, motion: case::ADVISE_MOTION };
 
 /// The state of a run.
 #[derive(Clone)]
@@ -144,14 +140,6 @@ impl Farneback {
     }
 }
 
-cases! {
-    OPENING: "Polynomial expansion approximates each neighbourhood by x · A x + b · x + c. If the image shifts by d, the linear term \
-              becomes b − 2 A d, so the change of b determines d where A is invertible.",
-    ADVISE_TEXTURE: "A larger window may contain other gradients; the smoothness term of Horn–Schunck fills such areas.",
-    ADVISE_BOUNDARY: "The window mixes the motions of both sides; a smaller window or TV-L1 mixes them less.",
-    ADVISE_MOTION: "More pyramid levels would reach this motion.",
-}
-
 pseudocode! {
     START_AT_ZERO: "(u, v) ← 0 on the coarsest level",
     EACH_LEVEL: "for each pyramid level, from the coarsest to full resolution",
@@ -193,7 +181,7 @@ impl Estimator for Farneback {
             "change",
             "How large is the mean change of the iteration?",
             line::SOLVE,
-            explain::value::MEAN_CHANGE,
+            shared::value::MEAN_CHANGE,
         ),
     ];
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 5 };
@@ -244,7 +232,7 @@ impl Estimator for Farneback {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        let Some(probe) = self.probe(seen) else { return Step::at(line::START_AT_ZERO).say(case::OPENING) };
+        let Some(probe) = self.probe(seen) else { return Step::at(line::START_AT_ZERO).say(explain::case::OPENING) };
         let line = match probe.part {
             Part::Expanded => line::EXPAND,
             Part::Paired => line::PAIR,
@@ -254,7 +242,7 @@ impl Estimator for Farneback {
         };
         let State { frames, iteration, .. } = seen.before;
         let step = frames.put(Step::at(line), probe.level, (iteration + 1, self.iterations));
-        let step = self.concluded(seen, probe.tell(step));
+        let step = self.conclude(seen, probe.tell(step));
         step.show_all(self.series(seen).into_iter().map(Readout::Series))
     }
 
@@ -310,65 +298,5 @@ impl Footprint<State> for Farneback {
 impl Pointed<State> for Farneback {
     fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
         state.frames.pixel_at(0, point).map(|_| Explained::Always)
-    }
-}
-
-impl Farneback {
-    /// Returns the iteration at the pixel pointed at, or else at the default one.
-    fn probe<'a>(&self, seen: &Seen<'a, Self>) -> Option<Probe<'a>> {
-        let Event { part, iteration } = seen.events.last()?;
-        let (frames, level) = (&*seen.before.frames, seen.before.level);
-        let pointed_at = seen.point().and_then(|point| frames.pixel_at(level, point));
-        let place = pointed_at.unwrap_or_else(|| frames.default_pixel(level));
-        let expansions = ExpansionPair { pair: iteration.polynomials.each_ref(), from: &iteration.from };
-        let solver = WindowSolver { window: self.window(), damping: self.damping };
-        let inspected = Inspected { expansions, to: &iteration.to, place };
-        Some(Probe::new(*part, (frames, level), inspected, solver, self.poly_n / 2))
-    }
-
-    /// Adds change and error of an iteration, and the conclusion of the iteration and of the run, at the end of each.
-    fn concluded(&self, seen: &Seen<Self>, step: Step) -> Step {
-        let Some(after) = seen.after else { return step };
-        let Some(note) = after.notes.last() else { return step };
-        let step = step.fact_of(mean_change(note.level, note.change));
-        let step = step.fact_if(explain::value::ITERATION_ERROR, note.error.is_finite().then_some(note.error));
-        if seen.point().is_some() {
-            return step;
-        }
-        let step = step.say(explain::case::MEAN_CHANGE);
-        if !after.is_done {
-            return step;
-        }
-        let [across, down] = after.frames.scale(after.frames.count() - 1);
-        let flow = after.frames.flow(&after.field);
-        Conclusion::new(&after.frames.frame_pair, &flow, across.max(down)).tell(step, &ADVICE)
-    }
-
-    /// Returns the plots of mean change and endpoint error over iterations.
-    fn series(&self, seen: &Seen<Self>) -> Vec<Series> {
-        let notes = &seen.after.unwrap_or(seen.before).notes;
-        let line = |of: fn(&Note) -> f32| -> Vec<[f32; 2]> {
-            notes.iter().enumerate().map(|(i, note)| [(i + 1) as f32, of(note)]).collect()
-        };
-        let x_max = seen.before.frames.count() * self.iterations;
-        let counts = (seen.before.frames.count(), 1);
-        let sections: Vec<_> =
-            explain::sections(notes.iter().enumerate().map(|(i, note)| (i + 1, (note.level, 0))), counts).collect();
-        let series = |title, lines| {
-            let sections = sections.clone();
-            Series { title, x_label: "iteration", y_label: "px", x_max, sections, lines, ..Series::default() }
-        };
-        let mut all = Vec::new();
-        if !notes.is_empty() {
-            let change = series("Mean change", vec![("mean change", Role::Best, line(|note| note.change))]);
-            all.push(Series { is_logarithmic: true, ..change });
-            if notes.iter().all(|note| note.error.is_finite()) {
-                all.push(series(
-                    "Mean endpoint error",
-                    vec![("mean endpoint error", Role::Error, line(|note| note.error))],
-                ));
-            }
-        }
-        all
     }
 }
