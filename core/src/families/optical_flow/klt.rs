@@ -145,6 +145,17 @@ pub struct Found {
     taken: Vec<[f32; 2]>,
 }
 
+/// A feature that was tracked back.
+#[derive(Clone, Copy)]
+pub struct Returned {
+    /// The position in px.
+    at: [f32; 2],
+    /// The forward–backward error in px.
+    off_px: f32,
+    /// Whether that is above the maximum.
+    is_above: bool,
+}
+
 /// An event of a unit: detection, or the tracking of one feature to the next frame.
 #[derive(Clone)]
 pub enum Event {
@@ -156,12 +167,12 @@ pub enum Event {
     Taken(Arc<Found>),
     /// A step of forward tracking, on this level.
     Forward(Arc<Pair>, usize, follow::Event),
-    /// The position after tracking back, or why it failed.
-    Back(Result<[f32; 2], Status>),
+    /// The result of tracking back, or why it failed.
+    Back(Result<Returned, Status>),
     /// An iteration of the affine fit.
     Fit(Fit),
-    /// The correlation with the first view, where the fit does not explain the window; `None` where it is undefined.
-    Correlated(Option<f32>),
+    /// The correlation with the first view, where the fit does not explain the window, and whether it suffices; `None` where it is undefined.
+    Correlated(Option<(f32, bool)>),
     /// The result of the feature.
     Verdict(Feature),
 }
@@ -240,9 +251,10 @@ impl Klt {
         let to = [0, 1].map(|i| live.at[i] + displacement[i]);
         let (back, returned) = self.follow().through([second, first], to, &mut ());
         let place = [0, 1].map(|i| to[i] + back[i]);
-        observer.see(|| Event::Back(returned.map(|_| place)));
         let off_px = (place[0] - live.at[0]).hypot(place[1] - live.at[1]);
-        (displacement, if returned.is_err() || off_px > self.max_fb_error { Err(Status::Astray) } else { result })
+        let is_above = off_px > self.max_fb_error;
+        observer.see(|| Event::Back(returned.map(|_| Returned { at: place, off_px, is_above })));
+        (displacement, if returned.is_err() || is_above { Err(Status::Astray) } else { result })
     }
 
     /// Fits the first view at the tracked position; an error if the dissimilarity is too large and the window does not resemble the view.
@@ -268,12 +280,10 @@ impl Klt {
         if !self.illumination {
             return Err(Status::Changed);
         }
-        let correlation = live.correlation(level, to);
+        let correlation =
+            live.correlation(level, to).map(|correlation| (correlation, correlation >= self.min_correlation));
         observer.see(|| Event::Correlated(correlation));
-        match correlation {
-            Some(correlation) if correlation >= self.min_correlation => Ok(kept),
-            _ => Err(Status::Changed),
-        }
+        if correlation.is_some_and(|(_, resembles)| resembles) { Ok(kept) } else { Err(Status::Changed) }
     }
 
     /// Stores the result of the current feature.

@@ -16,7 +16,7 @@ use crate::run::{
 };
 use crate::scene::{Chart, Focus, Question, Reply, Scene, Step};
 use crate::{cases, params, pseudocode};
-use explain::case as told;
+use explain::case as explain_case;
 
 params! {
     /// Lucas and Kanade's method for every pixel. Its normal equations are Σ w I_x² u + Σ w I_x I_y v = −Σ w I_x I_t and
@@ -238,10 +238,10 @@ impl Estimator for LucasKanade {
         "determined",
         "Does the window of the next pixel determine its flow?",
         &[
-            Reply::told(line::SOLVE, told::WELL_CONDITIONED, "Yes: the constraint lines intersect well"),
-            Reply::told(line::SOLVE, told::NOISY, "Yes, but noise has much influence on it"),
-            Reply::told(line::IS_SINGULAR, told::EDGE, "No: an edge, its lines are nearly parallel"),
-            Reply::told(line::IS_SINGULAR, told::FLAT, "No: a flat window"),
+            Reply::told(line::SOLVE, explain_case::WELL_CONDITIONED, "Yes: the constraint lines intersect well"),
+            Reply::told(line::SOLVE, explain_case::NOISY, "Yes, but noise has much influence on it"),
+            Reply::told(line::IS_SINGULAR, explain_case::EDGE, "No: an edge, its lines are nearly parallel"),
+            Reply::told(line::IS_SINGULAR, explain_case::FLAT, "No: a flat window"),
         ],
     )];
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 3 };

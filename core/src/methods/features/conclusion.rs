@@ -1,10 +1,8 @@
 //! The conclusion at the end of a pair or a run: how many features were tracked, how well, and why the others were lost.
 
-use std::collections::BTreeMap;
-
 use crate::data::Flow;
 use crate::products::{Feature, Status};
-use crate::scene::{Case, Role, Step, Unit};
+use crate::scene::{Case, Readout, Role, Sentence, Step, Unit, Variable};
 use crate::{cases, variables};
 
 variables! {
@@ -16,19 +14,34 @@ variables! {
     MEAN_ERROR: "", "", Unit::SUBPIXEL, Role::Error;
     /// The mean residual of the tracked features.
     MEAN_RESIDUAL: "", "", Unit::GRAY, Role::Error;
-    /// The features that were lost for one reason.
+    /// The features that were lost.
     LOST: "Lost so far", "", Unit::count(""), Role::Rejected;
-    /// The reason of a loss.
-    REASON: "", "", Unit::WHOLE;
+    /// The features that left the frame.
+    LOST_OUTSIDE: "", "", Unit::count("");
+    /// The features that were lost because their windows are ill-conditioned.
+    LOST_FLAT: "", "", Unit::count("");
+    /// The features that were lost because their residuals exceed the limit.
+    LOST_UNLIKE: "", "", Unit::count("");
+    /// The features that were lost because tracking back leads elsewhere.
+    LOST_ASTRAY: "", "", Unit::count("");
+    /// The features that were lost because they no longer look like their first views.
+    LOST_CHANGED: "", "", Unit::count("");
+    /// The features that were lost because the next frame has no match of theirs.
+    LOST_UNMATCHED: "", "", Unit::count("");
 }
 
 cases! { over value;
     TRACKED: "{tracked} of {features} tracked.",
     TRACKED_WITH_ERROR: "{tracked} of {features} tracked, mean endpoint error {mean_error}.",
     TRACKED_WITH_RESIDUAL: "{tracked} of {features} tracked, mean residual {mean_residual}.",
-    LOST: "Lost: {lost} {reason}",
-    LOST_TOO: ", {lost} {reason}",
-    LOST_FOR: "{lost} {reason}",
+    LOST: "Lost:",
+    LOST_OUTSIDE: "{lost_outside} out of the frame",
+    LOST_FLAT: "{lost_flat} ill-conditioned",
+    LOST_UNLIKE: "{lost_unlike} above the residual limit",
+    LOST_ASTRAY: "{lost_astray} inconsistent forward and backward",
+    LOST_CHANGED: "{lost_changed} changed in appearance",
+    LOST_UNMATCHED: "{lost_unmatched} without a match",
+    COMMA: ",",
     END: ".",
     OUTSIDE: "Features that leave the frame cannot be kept.",
     FLAT: "A larger window or a lower minimum eigenvalue keeps more of them.",
@@ -57,27 +70,49 @@ pub fn conclude(step: Step, one: &'static str, features: impl Iterator<Item = Fe
         (None, None) => step.say(case::TRACKED),
     };
     let losses = losses(all.iter().map(|feature| feature.status));
-    let Some((_, advice)) = losses.values().max_by_key(|(count, _)| *count) else { return step };
-    let step = losses.iter().enumerate().fold(step, |step, (i, (reason, (count, _)))| {
-        let step = step.put(value::LOST, *count).put(value::REASON, *reason);
-        step.say(if i == 0 { case::LOST } else { case::LOST_TOO })
-    });
-    step.say(case::END).say(advice)
+    let Some((Loss { advice, .. }, _)) = losses.iter().max_by_key(|(_, count)| *count) else { return step };
+    let (step, reasons) = (put_losses(step, &losses), list(&losses));
+    reasons.into_iter().fold(step.say(case::LOST), Step::say).say(case::END).say(advice)
 }
 
-/// Adds a fact for each reason for which features were lost.
-pub fn lost(step: Step, statuses: impl Iterator<Item = Status>) -> Step {
-    losses(statuses).into_iter().fold(step, |step, (reason, (count, _))| {
-        step.put(value::REASON, reason).fact_as(value::LOST.is(count), case::LOST_FOR)
-    })
-}
-
-/// The number of lost features for each reason, with the remedy.
-fn losses(statuses: impl Iterator<Item = Status>) -> BTreeMap<&'static str, (usize, &'static Case)> {
-    let mut losses = BTreeMap::new();
-    for (reason, advice) in statuses.filter_map(reason) {
-        losses.entry(reason).or_insert((0, advice)).0 += 1;
+/// Adds the fact how many features were lost, for each reason.
+pub fn put_lost(step: Step, statuses: impl Iterator<Item = Status>) -> Step {
+    let losses = losses(statuses);
+    if losses.is_empty() {
+        return step;
     }
+    let mut step = put_losses(step, &losses);
+    let reasons = list(&losses).into_iter().fold(Sentence::default(), |said, case| said.say(case, &step.values));
+    step = step.fact(value::LOST, losses.iter().map(|(_, count)| count).sum::<usize>());
+    if let Some(Readout::Facts(facts)) = step.readouts.first_mut()
+        && let Some(fact) = facts.last_mut()
+    {
+        fact.value = reasons.plain();
+    }
+    step
+}
+
+fn put_losses(step: Step, losses: &[(Loss, usize)]) -> Step {
+    losses.iter().fold(step, |step, (loss, count)| step.put(loss.lost, *count))
+}
+
+/// The cases that tell the losses as a list.
+fn list(losses: &[(Loss, usize)]) -> Vec<&'static Case> {
+    let mut cases: Vec<_> = losses.iter().flat_map(|(loss, _)| [loss.told, case::COMMA]).collect();
+    cases.pop();
+    cases
+}
+
+/// The number of lost features for each reason, in the order of its words.
+fn losses(statuses: impl Iterator<Item = Status>) -> Vec<(Loss, usize)> {
+    let mut losses: Vec<(Loss, usize)> = Vec::new();
+    for loss in statuses.filter_map(loss) {
+        match losses.iter_mut().find(|(known, _)| *known == loss) {
+            Some((_, count)) => *count += 1,
+            None => losses.push((loss, 1)),
+        }
+    }
+    losses.sort_by_key(|(loss, _)| loss.words());
     losses
 }
 
@@ -86,22 +121,40 @@ fn mean(values: impl Iterator<Item = f32>) -> Option<f32> {
     (count > 0).then(|| sum / count as f32)
 }
 
-/// Why a feature was lost, in words; `None` for a tracked one.
-pub fn reason_of(status: Status) -> Option<&'static str> {
-    reason(status).map(|(reason, _)| reason)
+/// A reason for which features are lost.
+#[derive(Clone, Copy, PartialEq)]
+struct Loss {
+    /// The number of these features.
+    lost: &'static Variable,
+    /// The case that tells it.
+    told: &'static Case,
+    /// The remedy.
+    advice: &'static Case,
 }
 
-/// Why a feature was lost, and what would help.
-fn reason(status: Status) -> Option<(&'static str, &'static Case)> {
-    match status {
-        Status::Outside => Some(("out of the frame", case::OUTSIDE)),
-        Status::Flat => Some(("ill-conditioned", case::FLAT)),
-        Status::Unlike => Some(("above the residual limit", case::UNLIKE)),
-        Status::Astray => Some(("inconsistent forward and backward", case::ASTRAY)),
-        Status::Changed => Some(("changed in appearance", case::CHANGED)),
-        Status::Unmatched => Some(("without a match", case::UNMATCHED)),
-        Status::Found | Status::Tracked => None,
+impl Loss {
+    /// The reason in words, which stand behind the number.
+    fn words(self) -> &'static str {
+        self.told.text.split_once(' ').map_or("", |(_, words)| words)
     }
+}
+
+/// The reason for which a feature was lost, in words; `None` for a tracked one.
+pub fn reason_of(status: Status) -> Option<&'static str> {
+    loss(status).map(Loss::words)
+}
+
+fn loss(status: Status) -> Option<Loss> {
+    let (lost, told, advice) = match status {
+        Status::Outside => (value::LOST_OUTSIDE, case::LOST_OUTSIDE, case::OUTSIDE),
+        Status::Flat => (value::LOST_FLAT, case::LOST_FLAT, case::FLAT),
+        Status::Unlike => (value::LOST_UNLIKE, case::LOST_UNLIKE, case::UNLIKE),
+        Status::Astray => (value::LOST_ASTRAY, case::LOST_ASTRAY, case::ASTRAY),
+        Status::Changed => (value::LOST_CHANGED, case::LOST_CHANGED, case::CHANGED),
+        Status::Unmatched => (value::LOST_UNMATCHED, case::LOST_UNMATCHED, case::UNMATCHED),
+        Status::Found | Status::Tracked => return None,
+    };
+    Some(Loss { lost, told, advice })
 }
 
 #[cfg(test)]

@@ -52,7 +52,7 @@ variables! { pub mod value;
 cases! { pub over value, shared;
     LEVEL_OF: "{level} ({coarsest_level} is the coarsest)",
     EIGENVALUES: "{lambda_1} and {lambda_2}",
-    WINDOW: " on level {level} ({width}×{height}): λ₁ = {lambda_1}, and λ₂ = {lambda_2} is",
+    WINDOW: " on level {level} ({width:bare}×{height}): λ₁ = {lambda_1}, and λ₂ = {lambda_2} is",
     ILL_CONDITIONED: "below the minimum eigenvalue of {min_eigenvalue}, so the window is ill-conditioned.",
     CONDITIONED: "not below the minimum eigenvalue of {min_eigenvalue}, so the window can be tracked.",
     BEGINS: "Initial guess: {guess}.",
@@ -104,6 +104,11 @@ impl LevelTrace<'_> {
     /// Whether the level is finished.
     pub fn is_done(&self) -> bool {
         matches!(self.events.last(), Some(Event::PassedDown(..) | Event::End(..)))
+    }
+
+    /// Whether the last event is an iteration that meets the stopping criterion.
+    pub fn has_converged(&self) -> bool {
+        matches!(self.events.last(), Some(Event::Iteration { update, .. }) if self.follow.converges(*update))
     }
 
     fn scale(&self) -> f32 {
@@ -202,9 +207,8 @@ impl LevelTrace<'_> {
                 let verdict = if self.follow.is_flat(tensor) { case::ILL_CONDITIONED } else { case::CONDITIONED };
                 step.say(subject).say(case::WINDOW).say(verdict).say(case::BEGINS)
             }
-            Some(Event::Iteration { update, .. }) => {
-                let is_last = self.follow.converges(*update);
-                step.say(case::INCREMENT).say(if is_last { case::CONVERGED } else { case::NOT_CONVERGED })
+            Some(Event::Iteration { .. }) => {
+                step.say(case::INCREMENT).say(if self.has_converged() { case::CONVERGED } else { case::NOT_CONVERGED })
             }
             Some(Event::PassedDown(_, None)) => step.say(subject).say(case::ESTIMATE).say(case::DOUBLED),
             Some(Event::PassedDown(_, Some(status))) => {
@@ -218,7 +222,7 @@ impl LevelTrace<'_> {
 
     /// Adds the equations of the last increment, the plane of displacements and the windows. `truth` is the true displacement in
     /// px of level 0, where it is known.
-    pub fn charted(&self, step: Step, truth: Option<[f32; 2]>) -> Step {
+    pub fn show_charts(&self, step: Step, truth: Option<[f32; 2]>) -> Step {
         let step = self.tensor().into_iter().fold(step, |step, window| self.equations(step, &window));
         step.show(Readout::Plane(self.plane(truth))).show(Readout::Tiles(self.tiles()))
     }

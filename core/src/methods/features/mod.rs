@@ -21,7 +21,7 @@ mod trace;
 pub mod tracker;
 pub(crate) mod trails;
 
-pub use conclusion::{conclude, lost, reason_of};
+pub use conclusion::{conclude, put_lost, reason_of};
 pub use corners::{Corners, Measure};
 pub(crate) use declare::{KEPT, Status, be, case, corner_pseudocode, value};
 pub(crate) use explain::unit_of_parts;

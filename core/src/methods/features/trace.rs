@@ -44,11 +44,6 @@ impl<'a> Trace<'a> {
         self.pyramids[0].len() - self.levels.len()
     }
 
-    /// Returns the last event.
-    pub fn last(&self) -> Option<&Event> {
-        self.levels.last()?.1.last()
-    }
-
     /// Returns the events of the current level.
     pub fn level_trace(&self) -> LevelTrace<'a> {
         self.level_trace_on(self.level())

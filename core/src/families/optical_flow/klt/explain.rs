@@ -1,13 +1,13 @@
 //! The explanation and the drawing of the KLT tracker.
 
 use super::vocabulary::{case, value};
-use super::{Event, Klt, Live, Pair, line};
+use super::{Event, Klt, Live, Pair, Returned, line};
 use crate::geometry::Grid;
 use crate::methods::features::{
     affine::{Fit, place},
     be, conclude, follow,
     level_trace::{LevelTrace, case as tracking_case, value as tracking, why},
-    lost,
+    put_lost,
     trails::{self, points},
     value as features,
 };
@@ -25,8 +25,8 @@ fn last<T>(events: &[Event], of: impl Fn(&Event) -> Option<T>) -> Option<T> {
     events.iter().rev().find_map(of)
 }
 
-/// The position after tracking back, if it succeeded.
-fn back(events: &[Event]) -> Option<[f32; 2]> {
+/// The result of tracking back, if it succeeded.
+fn back(events: &[Event]) -> Option<Returned> {
     last(events, |event| if let Event::Back(back) = event { back.ok() } else { None })
 }
 
@@ -51,11 +51,11 @@ impl Klt {
         let step = match event {
             Event::Enough => {
                 let said = if self.replenish { case::ENOUGH } else { case::REPLENISH_OFF };
-                self.counted(seen, Step::at(line::DETECT)).say(said)
+                self.put_counts(seen, Step::at(line::DETECT)).say(said)
             }
             Event::Found(found) => {
                 let detector = self.detector.estimator().info().name;
-                let step = self.counted(seen, Step::at(line::DETECT)).put(value::DETECTOR, detector);
+                let step = self.put_counts(seen, Step::at(line::DETECT)).put(value::DETECTOR, detector);
                 let step = step.fact(value::KEYPOINTS, found.keypoints.points.len()).say(case::FOUND);
                 match found.keypoints.keypoints.first() {
                     Some(first) => step.put(features::FIRST_RESPONSE, first.response).say(case::STRONGEST),
@@ -63,34 +63,33 @@ impl Klt {
                 }
             }
             Event::Taken(found) => {
-                let step = self.counted(seen, Step::at(line::TAKE_STRONGEST));
+                let step = self.put_counts(seen, Step::at(line::TAKE_STRONGEST));
                 let step = step.fact(value::KEYPOINTS, found.keypoints.points.len());
                 step.fact(value::NEW, found.taken.len()).put(features::MIN_DISTANCE, self.min_distance).say(case::TAKEN)
             }
-            _ => self.tracked(seen, event),
+            _ => self.tell_tracking(seen, event),
         };
         step.show_all(trails::turnover("Features", &seen.before.counts, &seen.before.tracks, &seen.before.span))
     }
 
     /// Puts the numbers of tracked and of lost features.
-    fn counted(&self, seen: &Seen<Self>, step: Step) -> Step {
+    fn put_counts(&self, seen: &Seen<Self>, step: Step) -> Step {
         let (state, count) = (seen.before, seen.before.live.len());
         let step = step.put(value::FRAME, state.frame).put(features::MAX_POINTS, self.max_points);
         let last = state.tracks.iter().filter_map(|track| Some(track.points.last()?.status));
-        lost(step.put(features::BE, be(count)).fact(value::TRACKED_FEATURES, count), last)
+        put_lost(step.put(features::BE, be(count)).fact(value::TRACKED_FEATURES, count), last)
     }
 
     /// Explains an event of the current feature.
-    fn tracked(&self, seen: &Seen<Self>, event: &Event) -> Step {
+    fn tell_tracking(&self, seen: &Seen<Self>, event: &Event) -> Step {
         let (Some(live), Some(level_trace)) = (live(seen), self.level_trace(seen)) else {
             return Step::at(line::EACH_FEATURE);
         };
-        let at = |line| self.measured(seen, Step::at(line), (live, &level_trace));
+        let at = |line| self.put(seen, Step::at(line), (live, &level_trace));
         let step = match event {
-            Event::Back(Ok(_)) => {
+            Event::Back(Ok(Returned { is_above, .. })) => {
                 let step = at(line::TRACK_BACK).put(tracking::MAX_FB_ERROR, self.max_fb_error).say(case::RETURNED);
-                let is_above = step.real(tracking::FB_ERROR) > f64::from(self.max_fb_error);
-                step.say(if is_above { case::ABOVE } else { case::NOT_ABOVE })
+                step.say(if *is_above { case::ABOVE } else { case::NOT_ABOVE })
             }
             Event::Back(Err(_)) => at(line::TRACK_BACK).say(case::FEATURE).say(case::NOT_RETURNED),
             Event::Fit(_) => {
@@ -98,13 +97,13 @@ impl Klt {
                 step.say(case::FITTED).say_if(self.illumination, case::WITH_LIGHT).say(case::DISSIMILARITY)
             }
             Event::Correlated(None) => at(line::CORRELATE).say(case::UNEXPLAINED).say(case::NO_CONTRAST),
-            Event::Correlated(Some(correlation)) => {
+            Event::Correlated(Some((correlation, resembles))) => {
                 let step = at(line::CORRELATE).put(value::CORRELATION, *correlation);
                 let step = step.put(value::MIN_CORRELATION, self.min_correlation).say(case::UNEXPLAINED);
-                step.say(if *correlation >= self.min_correlation { case::RESEMBLES } else { case::DIFFERS })
+                step.say(if *resembles { case::RESEMBLES } else { case::DIFFERS })
             }
             Event::Verdict(Feature { status: Status::Tracked, .. }) => {
-                self.concluded(seen, at(line::MOVE).say(case::FEATURE).say(case::PASSED))
+                self.conclude(seen, at(line::MOVE).say(case::FEATURE).say(case::PASSED))
             }
             Event::Verdict(Feature { status, .. }) => {
                 let step = at(match status {
@@ -115,7 +114,7 @@ impl Klt {
                 let is_first = step.real(value::TRACK_LENGTH) == 1.0;
                 let step = step.say(case::FEATURE).say(tracking_case::LOST);
                 let step = step.say(if is_first { case::IN_FIRST_PAIR } else { case::AFTER });
-                self.concluded(seen, step.say(why(*status)))
+                self.conclude(seen, step.say(why(*status)))
             }
             _ => level_trace.tell(at(line::TRACK), case::FEATURE),
         };
@@ -123,20 +122,20 @@ impl Klt {
             (Event::Fit(_) | Event::Correlated(_) | Event::Verdict(_), Some(fit)) => {
                 self.equations(step).show(Readout::Tiles(views(&level_trace, live, &fit)))
             }
-            _ => level_trace.charted(step, true_displacement(seen, live)),
+            _ => level_trace.show_charts(step, true_displacement(seen, live)),
         }
     }
 
     /// Puts the values of the current feature so far.
-    fn measured(&self, seen: &Seen<Self>, step: Step, (live, level_trace): (&Live, &LevelTrace)) -> Step {
+    fn put(&self, seen: &Seen<Self>, step: Step, (live, level_trace): (&Live, &LevelTrace)) -> Step {
         let track = &seen.before.tracks[live.track as usize];
         let is_tracked = matches!(seen.events.last(), Some(Event::Verdict(feature)) if feature.displacement.is_some());
         let length = track.points.len() + usize::from(is_tracked);
         let step = step.put(tracking::POSITION, live.at).put(value::TRACK_LENGTH, length);
         let step = step.fact_as(value::FEATURE.is(live.track + 1), case::FEATURE_AT);
         let mut step = level_trace.put(step.fact_as(value::FIRST_FRAME.is(track.first), case::FRAME));
-        if let Some([x, y]) = back(seen.events) {
-            step = step.put(value::RETURNED, [x, y]).fact(tracking::FB_ERROR, (x - live.at[0]).hypot(y - live.at[1]));
+        if let Some(Returned { at, off_px, .. }) = back(seen.events) {
+            step = step.put(value::RETURNED, at).fact(tracking::FB_ERROR, off_px);
         }
         if let Some(Fit { matrix, shift, light: [gain, offset], difference, .. }) = fit(seen.events) {
             step = step.put(value::MATRIX, Grid::from_fn(2, 2, |x, y| f64::from(matrix[y][x])));
@@ -158,7 +157,7 @@ impl Klt {
     }
 
     /// Adds the conclusion at the end of a pair.
-    fn concluded(&self, seen: &Seen<Self>, step: Step) -> Step {
+    fn conclude(&self, seen: &Seen<Self>, step: Step) -> Step {
         let frame = seen.before.frame;
         let (Some(after), Some((pair, _))) = (seen.after, last_forward(seen.events)) else { return step };
         if after.frame == frame {
@@ -209,8 +208,8 @@ impl Klt {
             }
             _ => level_trace.draw([Picture::CURRENT, Picture::NEXT], scene),
         }
-        if let Some(place) = back(seen.events) {
-            points(scene, Role::Predicted, "position after tracking back", vec![place]);
+        if let Some(Returned { at, .. }) = back(seen.events) {
+            points(scene, Role::Predicted, "position after tracking back", vec![at]);
         }
     }
 }

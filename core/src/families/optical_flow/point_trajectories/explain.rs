@@ -1,5 +1,7 @@
 //! The explanation and the drawing of point trajectories.
 
+use std::sync::Arc;
+
 use super::{Event, Moved, Note, Pair, PointTrajectories, State, What, distance, line};
 use crate::geometry::Grid;
 use crate::methods::{
@@ -51,7 +53,7 @@ variables! {
     /// The position of the feature track in the second frame.
     FEATURE_END: "Feature track", "y", Unit::SUBPIXEL, Role::Predicted;
     /// The reason for which the feature track is lost.
-    FEATURE_LOSS: "Feature track", "", Unit::WHOLE, Role::Predicted;
+    FEATURE_LOSS: "Feature track lost", "", Unit::WHOLE, Role::Predicted;
     /// The drift: the distance between flow and feature track.
     DRIFT: "Drift", "|x - y|", Unit::SUBPIXEL, Role::Error;
     /// The true position in the second frame.
@@ -86,7 +88,6 @@ cases! { over value, shared, tracking;
     ADVECTED: " is advected to {end:bare}",
     DRIFT: ", its feature track to {feature_end:bare}. Drift between both since the start: {drift}.",
     FEATURE_LOST: "; its feature track is {rejected|lost}.",
-    FEATURE_LOSS: "lost: {feature_loss}",
     TRUTH: "True position: {true_position:bare}, so the flow trajectory has an error of {flow_error}.",
 }
 
@@ -101,21 +102,17 @@ fn last(events: &[Event]) -> Option<&What> {
 }
 
 /// The results of the points so far.
-fn moved(events: &[Event]) -> impl Iterator<Item = (&Pair, &Moved)> {
-    events
-        .iter()
-        .filter_map(|event| if let What::Moved(pair, moved) = &event.0 { Some((&**pair, moved)) } else { None })
+fn moved(events: &[Event]) -> impl Iterator<Item = (&Arc<Pair>, &Moved)> {
+    events.iter().filter_map(|event| if let What::Moved(pair, moved) = &event.0 { Some((pair, moved)) } else { None })
 }
 
 impl PointTrajectories {
-    /// Returns the processed point pointed at, or else the current one.
-    fn probe<'a>(&self, seen: &Seen<'a, Self>) -> Option<(&'a Pair, &'a Moved)> {
-        let far = |moved: &Moved| seen.point().map_or(f32::INFINITY, |point| distance(moved.live.at, point));
+    /// Returns the processed point pointed at.
+    fn pointed_at<'a>(&self, seen: &Seen<'a, Self>) -> Option<(&'a Arc<Pair>, &'a Moved)> {
+        let point = seen.point()?;
+        let far = |moved: &Moved| distance(moved.live.at, point);
         let nearest = moved(seen.events).min_by(|(_, a), (_, b)| far(a).total_cmp(&far(b)));
-        nearest.filter(|(_, moved)| far(moved) <= self.spacing as f32).or(match last(seen.events)? {
-            What::Moved(pair, moved) => Some((&**pair, moved)),
-            _ => None,
-        })
+        nearest.filter(|(_, moved)| far(moved) <= self.spacing as f32)
     }
 
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
@@ -126,8 +123,10 @@ impl PointTrajectories {
             let step = step.put(shared::MIN_EIGENVALUE, self.min_eigenvalue);
             step.fact_as(value::FRAME.is(state.frame), case::PAIR)
         };
-        let step = match (event, self.probe(seen)) {
-            (_, Some((pair, moved))) => self.advected(at, moved).show(Readout::Tiles(tiles(pair, moved))),
+        let step = match (event, self.pointed_at(seen)) {
+            (_, Some((pair, moved))) | (What::Moved(pair, moved), None) => {
+                self.tell_point(at, moved).show(Readout::Tiles(tiles(pair, moved)))
+            }
             (What::Flow(_), None) => {
                 let step = at(line::FIND_FLOW).fact(value::POINTS, state.live.len());
                 step.put(value::METHOD, self.method.estimator().info().name).say(case::FLOW)
@@ -140,15 +139,14 @@ impl PointTrajectories {
                     _ => case::BEGUN,
                 })
             }
-            (What::Done(note), None) => self.concluded(seen, at(line::COMPARE_FEATURES), note),
-            (What::Moved(..), None) => at(line::EACH_POINT),
+            (What::Done(note), None) => self.conclude(seen, at(line::COMPARE_FEATURES), note),
         };
         step.show_all(plots(seen.after.unwrap_or(state)))
     }
 
     /// Explains the result of a point.
-    fn advected(&self, at: impl Fn(Name) -> Step, moved: &Moved) -> Step {
-        let of_point = |line| self.measured(at(line), moved).say(case::POINT);
+    fn tell_point(&self, at: impl Fn(Name) -> Step, moved: &Moved) -> Step {
+        let of_point = |line| self.put(at(line), moved).say(case::POINT);
         match moved.feature.status {
             Status::Flat => of_point(line::IS_FLAT).say(case::FLAT),
             Status::Outside => of_point(line::IS_OUTSIDE).say(case::OUTSIDE),
@@ -163,7 +161,7 @@ impl PointTrajectories {
     }
 
     /// Puts the values of a point.
-    fn measured(&self, step: Step, moved: &Moved) -> Step {
+    fn put(&self, step: Step, moved: &Moved) -> Step {
         let at = moved.live.at;
         let step = step.put(tracking::POSITION, at).fact_as(value::POINT.is(moved.live.track + 1), case::POINT_AT);
         let mut step = step.fact_of(shared::LAMBDA_2.is(moved.structure).in_unit(SQUARED_GRADIENT));
@@ -183,17 +181,14 @@ impl PointTrajectories {
             });
         }
         let reason = moved.twin.and_then(|twin| reason_of(twin.status));
-        step = step.fact_if(value::FEATURE_END, moved.twin_to());
-        step = reason
-            .into_iter()
-            .fold(step, |step, reason| step.fact_as(value::FEATURE_LOSS.is(reason), case::FEATURE_LOSS));
+        step = step.fact_if(value::FEATURE_END, moved.twin_to()).fact_if(value::FEATURE_LOSS, reason);
         step = step.fact_if(value::DRIFT, moved.apart()).fact_if(value::TRUE_POSITION, moved.truth);
         let error = |to: Option<[f32; 2]>| Some(distance(to?, moved.truth?));
         step.fact_if(value::FLOW_ERROR, error(moved.to())).fact_if(value::FEATURE_ERROR, error(moved.twin_to()))
     }
 
     /// Explains the end of a pair.
-    fn concluded(&self, seen: &Seen<Self>, step: Step, note: &Note) -> Step {
+    fn conclude(&self, seen: &Seen<Self>, step: Step, note: &Note) -> Step {
         let known = |number: f32| number.is_finite().then_some(number);
         let [flow_error, feature_error] = note.errors.map(known);
         let step = step.fact(value::POINTS, note.points).fact_if(value::MEAN_DRIFT, known(note.apart));
@@ -229,7 +224,11 @@ impl PointTrajectories {
         let arrow = |moved: &&Moved| Some(Arrow { from: moved.live.at, to: moved.to()? });
         trails::displacements(scene, done.iter().filter_map(arrow).collect());
         draw_ends(scene, &done);
-        if let Some((_, moved)) = self.probe(seen) {
+        let at_work = match last(seen.events) {
+            Some(What::Moved(_, moved)) => Some(moved),
+            _ => None,
+        };
+        if let Some(moved) = self.pointed_at(seen).map(|(_, moved)| moved).or(at_work) {
             trails::points(scene, Role::Reference, "inspected point", vec![moved.live.at]);
         }
         scene.legend(Role::Result, "displacement to frame t+1");

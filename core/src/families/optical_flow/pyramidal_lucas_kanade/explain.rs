@@ -5,7 +5,7 @@ use crate::methods::{
     differential::explain::value as shared,
     features::{
         Trace, be, conclude, follow,
-        level_trace::value as tracking,
+        level_trace::{LevelTrace, value as tracking},
         trails::{displacements, points},
         value as features,
     },
@@ -71,31 +71,16 @@ impl PyramidalLucasKanade {
         let fixed = &seen.before.fixed;
         let Some(probe) = self.probe(seen) else { return self.opening(seen) };
         let (at, level_trace) = (probe.trace.at, probe.trace.level_trace());
-        let step = Step::at(self.line(&probe)).put(value::POINTS, fixed.points.len()).put(tracking::POSITION, at);
+        let step = Step::at(line_of(&level_trace)).put(value::POINTS, fixed.points.len()).put(tracking::POSITION, at);
         let (step, subject) = match self.points {
             Points::Dense => (step.fact(shared::PIXEL, at), case::PIXEL),
             _ => (step.fact_as(value::POINT.is(probe.index + 1), case::POINT_AT), case::POINT),
         };
         let truth = fixed.truth.as_ref().and_then(|truth| truth.at(at[0] as usize, at[1] as usize));
         let step = level_trace.put(step).fact_if(tracking::TRUE_DISPLACEMENT, truth);
-        let step = self.concluded(seen, level_trace.tell(step, subject));
+        let step = self.conclude(seen, level_trace.tell(step, subject));
         let stack = Stack { levels: fixed.shown(probe.trace.level()), floors: probe.trace.floors() };
-        level_trace.charted(step, truth).show(Readout::Stack(stack))
-    }
-
-    /// Returns the line of the last event of a point.
-    fn line(&self, probe: &Probe) -> Name {
-        match probe.trace.last() {
-            None => line::MAKE_PYRAMIDS,
-            Some(follow::Event::Window(_)) => line::TAKE_TENSOR,
-            Some(follow::Event::Iteration { update, .. }) if self.follow().converges(*update) => line::UNTIL_CONVERGED,
-            Some(follow::Event::Iteration { .. }) => line::UPDATE,
-            Some(follow::Event::PassedDown(_, Some(Status::Flat)) | follow::Event::End(_, Err(Status::Flat))) => {
-                line::IS_SINGULAR
-            }
-            Some(follow::Event::PassedDown(..)) => line::HAND_ON,
-            Some(follow::Event::End(..)) => line::CHECK,
-        }
+        level_trace.show_charts(step, truth).show(Readout::Stack(stack))
     }
 
     /// Explains a run before its first event, or without points.
@@ -112,13 +97,28 @@ impl PyramidalLucasKanade {
     }
 
     /// Adds the conclusion at the end of a run.
-    fn concluded(&self, seen: &Seen<Self>, step: Step) -> Step {
+    fn conclude(&self, seen: &Seen<Self>, step: Step) -> Step {
         let (Some(after), None) = (seen.after, seen.point()) else { return step };
         if after.found.len() < after.fixed.groups() {
             return step;
         }
         let one = if self.points == Points::Dense { "pixel" } else { "point" };
         conclude(step.say(case::END_OF_RUN), one, after.features(), after.fixed.truth.as_deref())
+    }
+}
+
+/// The line of the last event of a point.
+fn line_of(level_trace: &LevelTrace) -> Name {
+    match level_trace.events.last() {
+        None => line::MAKE_PYRAMIDS,
+        Some(follow::Event::Window(_)) => line::TAKE_TENSOR,
+        Some(follow::Event::Iteration { .. }) if level_trace.has_converged() => line::UNTIL_CONVERGED,
+        Some(follow::Event::Iteration { .. }) => line::UPDATE,
+        Some(follow::Event::PassedDown(_, Some(Status::Flat)) | follow::Event::End(_, Err(Status::Flat))) => {
+            line::IS_SINGULAR
+        }
+        Some(follow::Event::PassedDown(..)) => line::HAND_ON,
+        Some(follow::Event::End(..)) => line::CHECK,
     }
 }
 
