@@ -108,7 +108,7 @@ pub enum Stage {
     Undetermined,
     /// The new warp.
     Update,
-    /// The warp of a small increment, the last of a level.
+    /// The level has converged: the increment is below ε.
     Converged,
     /// The warp of the last iteration of a level.
     Exhausted,

@@ -6,7 +6,7 @@ use crate::data::Clip;
 use crate::geometry::Grid;
 use crate::products::model::{Matrix3, Support, inverse, mapped, product};
 use crate::products::path::{chained, corner_error, middle, track, true_motions};
-use crate::scene::{Case, Matrix, Name, Picture, Readout, Role, Scene, Series, Shape, Step, Unit};
+use crate::scene::{Case, Matrix, Name, Number, Picture, Readout, Role, Scene, Series, Shape, Step, Unit, Value};
 use crate::{cases, variables};
 
 /// A matrix with its symbol and its name, to be shown.
@@ -74,7 +74,7 @@ variables! { pub mod value;
     REST_DIFFERENCE: "Difference at rest", "", Unit::GRAY;
     /// The largest error of a corner at the end of the chained path.
     DRIFT: "Drift", "", Unit::PX;
-    /// Why a truth cannot be read.
+    /// The reason why the ground truth is unreadable.
     READ_ERROR: "Error of the truth", "", Unit::WHOLE;
 }
 
@@ -120,7 +120,7 @@ pub fn displacement(map: &Matrix3, size: (usize, usize)) -> [f64; 2] {
 pub fn estimate_step(chain: &Chain, link: &Link, (stage, clip): (&str, &Clip)) -> Step {
     let step = pair_step(line::ESTIMATE, chain, link).put(value::STAGE, stage).say(case::ESTIMATED);
     let step = match link.refused {
-        None => found(step, link),
+        None => tell_motion(step, link),
         Some(refused) => {
             let step = step.say(if refused == Refused::Path { case::BREAKS_PATH } else { case::UNUSABLE });
             let (step, why) = refusal(step, refused);
@@ -132,21 +132,24 @@ pub fn estimate_step(chain: &Chain, link: &Link, (stage, clip): (&str, &Clip)) -
 }
 
 /// Tells the motion of a pair, whose y points down.
-fn found(step: Step, link: &Link) -> Step {
-    let [_, v] = displacement(&link.motion, link.field.picture);
+fn tell_motion(step: Step, link: &Link) -> Step {
+    let v = match step.value(value::MOTION) {
+        Some(Value { of, number: Number::Vector(uv), .. }) => uv.get(1).and_then(|v| of.is(*v).rounded()),
+        _ => None,
+    };
     let step = step.say(case::MOTION);
-    let step = match value::MOTION.is(v).rounded() {
+    let step = match v {
         Some(v) if v < 0.0 => step.say(case::UPWARDS),
         Some(v) if v > 0.0 => step.say(case::DOWNWARDS),
         _ => step,
     };
     match link.field.support {
-        Some(support) => supported(step, support).say(case::SUPPORT),
+        Some(support) => put_support(step, support).say(case::SUPPORT),
         None => step.say(case::END),
     }
 }
 
-fn supported(step: Step, Support { inliers, matches }: Support) -> Step {
+fn put_support(step: Step, Support { inliers, matches }: Support) -> Step {
     step.put(value::INLIERS, inliers).put(value::MATCHES, matches)
 }
 
@@ -179,7 +182,7 @@ fn pair_step(line: Name, chain: &Chain, link: &Link) -> Step {
     step.fact_if(value::UNUSABLE, (chain.unknown > 0).then_some(chain.unknown))
 }
 
-/// Adds the numbers for which a motion is not used, and gives the case that tells why.
+/// Puts the values that explain a rejected motion; returns the case.
 pub fn refusal(step: Step, refused: Refused) -> (Step, &'static Case) {
     let differences = |step: Step, [registered, at_rest]: [f64; 2]| {
         step.put(value::REGISTERED_DIFFERENCE, registered).put(value::REST_DIFFERENCE, at_rest)
@@ -189,7 +192,7 @@ pub fn refusal(step: Step, refused: Refused) -> (Step, &'static Case) {
             let step =
                 step.put(value::MODEL, model.label().to_lowercase()).put(value::SAMPLE_SIZE, model.sample_size());
             match support {
-                Some(support) => (supported(step, support), case::FEW_INLIERS),
+                Some(support) => (put_support(step, support), case::FEW_INLIERS),
                 None => (step, case::REJECTED),
             }
         }

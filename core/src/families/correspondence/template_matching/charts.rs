@@ -53,7 +53,7 @@ impl<'a> Shown<'a> {
 
 impl TemplateMatching {
     /// Adds the charts of a pair.
-    pub(super) fn charted(&self, step: Step, seen: &Seen<Self>, shown: &Shown) -> Step {
+    pub(super) fn add_charts(&self, step: Step, seen: &Seen<Self>, shown: &Shown) -> Step {
         let tiles = match shown.place {
             Some(place) => tiles(shown.pair, place, shown.role()),
             None => vec![template_tile(&shown.pair.template)],

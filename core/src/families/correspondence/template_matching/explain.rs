@@ -21,24 +21,27 @@ impl TemplateMatching {
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
         let (state, shown) = (seen.before, Shown::of(seen));
         let at = |line: Name| match &shown {
-            Some(shown) => self.measured(Step::at(line), shown),
+            Some(shown) => self.put(Step::at(line), shown),
             None => Step::at(line),
         };
         let step = match seen.events.last() {
             None => {
                 let step = at(line::EACH_PAIR).put(value::MEASURE, self.score.label()).put(value::FRAMES, self.frames);
-                self.clipped(step.say(case::OPENING), &state.first)
+                let (width, height) = state.first.pixels.size();
+                let step = step.put(value::WIDTH, width).put(value::HEIGHT, height).say(case::OPENING);
+                self.tell_clipping(step, &state.first)
             }
-            Some(Event::Chosen(template)) => self.chosen(at(line::CHOOSE), template),
-            Some(Event::Flat(template)) => {
-                self.chosen(at(line::CHOOSE), template).put(value::LEAST_DEVIATION, LEAST_DEVIATION).say(case::FLAT)
-            }
-            Some(Event::Area(pair)) => self.area_told(at(line::SET_AREA), state, pair),
-            Some(Event::Candidate(..)) => self.compared(at(line::SCORE), shown.as_ref()),
-            Some(Event::Decided(stage, found)) => self.concluded(seen, self.decided(at, *stage, (state, found))),
+            Some(Event::Chosen(template)) => self.tell_choice(at(line::CHOOSE), template),
+            Some(Event::Flat(template)) => self
+                .tell_choice(at(line::CHOOSE), template)
+                .put(value::LEAST_DEVIATION, LEAST_DEVIATION)
+                .say(case::FLAT),
+            Some(Event::Area(pair)) => self.tell_area(at(line::SET_AREA), state, pair),
+            Some(Event::Candidate(..)) => self.compare_with_best(at(line::SCORE), shown.as_ref()),
+            Some(Event::Decided(stage, found)) => self.conclude(seen, self.tell_decision(at, *stage, (state, found))),
         };
         match &shown {
-            Some(shown) => self.charted(step, seen, shown),
+            Some(shown) => self.add_charts(step, seen, shown),
             None => step,
         }
     }
@@ -50,7 +53,7 @@ impl TemplateMatching {
     }
 
     /// Puts the template, the places and their scores.
-    fn measured(&self, step: Step, shown: &Shown) -> Step {
+    fn put(&self, step: Step, shown: &Shown) -> Step {
         let Shown { pair, done, here, place, best, found, .. } = shown;
         let (cost, at) = (|place: &(usize, usize)| pair.costs[*place], |place| pair.displacement(place));
         let ((width, height), places) = (pair.template.pixels.size(), pair.costs.cells().len());
@@ -78,31 +81,32 @@ impl TemplateMatching {
         step.fact(value::DISPLACEMENT, [0, 1].map(|i| whole[i] as f32 + found.fraction[i]))
     }
 
-    fn chosen(&self, step: Step, template: &Template) -> Step {
+    fn tell_choice(&self, step: Step, template: &Template) -> Step {
         let (width, height) = template.pixels.size();
         let step = step.put(value::WIDTH, width).put(value::HEIGHT, height).put(value::FRAME, template.frame);
         let step = step.fact_as(value::TEMPLATE.is(template.at), case::SIZE_AT);
         let step = step.fact(value::DEVIATION, template.deviation()).fact_if(value::EIGENVALUE, template.eigenvalue);
         let step = step.say(case::TEMPLATE_OF).show(Readout::Tiles(vec![template_tile(template)]));
         match template.eigenvalue {
-            None => self.clipped(step.say(case::PLACED), template),
+            None => self.tell_clipping(step.say(case::PLACED), template),
             Some(eigenvalue) if eigenvalue >= LEAST_EIGENVALUE => step.say(case::TEXTURED),
-            Some(_) if template.deviation() < LEAST_DEVIATION => step.say(case::WITHOUT_TEXTURE),
-            Some(_) => step.say(case::WITHOUT_CORNERS),
+            Some(_) if template.deviation() < LEAST_DEVIATION => step.say(case::WITHOUT_TEXTURE).say(case::BEST_BLOCK),
+            Some(_) => step.say(case::WITHOUT_CORNERS).say(case::BEST_BLOCK),
         }
     }
 
     /// Says that the picture border clips the placed rectangle, where it does.
-    fn clipped(&self, step: Step, template: &Template) -> Step {
+    fn tell_clipping(&self, step: Step, template: &Template) -> Step {
         let Some(zone) = self.template else { return step };
         let [wide, high] = [0, 1].map(|i| f64::from(zone.max[i].ceil()) - f64::from(zone.min[i].ceil()));
         let (width, height) = template.pixels.size();
-        let step = step.put(value::WIDTH, width).put(value::HEIGHT, height);
-        let step = step.put(value::PLACED_WIDTH, wide).put(value::PLACED_HEIGHT, high);
-        step.say_if(wide > width as f64 || high > height as f64, case::CLIPPED)
+        if wide <= width as f64 && high <= height as f64 {
+            return step;
+        }
+        step.put(value::PLACED_WIDTH, wide).put(value::PLACED_HEIGHT, high).say(case::CLIPPED)
     }
 
-    fn area_told(&self, step: Step, state: &State, pair: &Pair) -> Step {
+    fn tell_area(&self, step: Step, state: &State, pair: &Pair) -> Step {
         let ((columns, rows), (width, height)) = (pair.costs.size(), pair.template.pixels.size());
         let step = step.put(value::NEXT_FRAME, state.frame + 1).put(value::COLUMNS, columns).put(value::ROWS, rows);
         let step = step.put(value::RANGE, self.search_range).put(value::PRODUCTS, columns * rows * width * height);
@@ -113,10 +117,10 @@ impl TemplateMatching {
     }
 
     /// Compares a candidate with the best place before it.
-    fn compared(&self, step: Step, shown: Option<&Shown>) -> Step {
+    fn compare_with_best(&self, step: Step, shown: Option<&Shown>) -> Step {
         let Some(Shown { pair, before, here, done, .. }) = shown else { return step };
         let is_new = shown.is_some_and(|shown| shown.best == shown.place);
-        let is_similarity = self.score.is_similarity();
+        let (step, is_similarity) = (step.say(case::CANDIDATE), self.score.is_similarity());
         let step = match (before, is_new) {
             (None, _) => step.say(case::FIRST),
             (Some(before), true) => step
@@ -132,13 +136,13 @@ impl TemplateMatching {
         self.score_formula(step.say_if(*here == columns, case::ROW_ENDS), pair, (here - 1, done / columns))
     }
 
-    fn decided(&self, at: impl Fn(Name) -> Step, stage: Stage, (state, found): (&State, &Found)) -> Step {
+    fn tell_decision(&self, at: impl Fn(Name) -> Step, stage: Stage, (state, found): (&State, &Found)) -> Step {
         let formula = |step| self.score_formula(step, found.pair.as_ref(), found.best);
         let is_similarity = self.score.is_similarity();
         match stage {
             Stage::Peak => {
                 let step = formula(at(line::TAKE_PEAK)).say(if is_similarity { case::HIGHEST } else { case::LOWEST });
-                step.say_if(found.is_at_limit(self.search_range), case::AT_LIMIT)
+                step.say(case::PEAK).say_if(found.is_at_limit(self.search_range), case::AT_LIMIT)
             }
             Stage::Subpixel if found.around.iter().all(Option::is_none) => {
                 formula(at(line::FIT_PARABOLA)).say(case::NO_PARABOLA)
@@ -146,7 +150,7 @@ impl TemplateMatching {
             Stage::Subpixel => {
                 self.parabolas(at(line::FIT_PARABOLA).put(value::VERTEX, found.fraction).say(case::REFINED), found)
             }
-            Stage::Second => self.second(formula(at(line::COMPARE_SECOND)), found),
+            Stage::Second => self.compare_peaks(formula(at(line::COMPARE_SECOND)), found),
             Stage::Check => {
                 let step =
                     formula(at(line::CHECK)).put(value::MIN_ZNCC, self.min_zncc).put(value::POSITION, found.point);
@@ -166,7 +170,7 @@ impl TemplateMatching {
         }
     }
 
-    fn second(&self, step: Step, found: &Found) -> Step {
+    fn compare_peaks(&self, step: Step, found: &Found) -> Step {
         let Some(second) = found.second else { return step.say(case::NO_SECOND) };
         step.put(value::DISTINCT, DISTINCT).say(case::SECOND).say(match found.ratio(self.score) {
             Some(ratio) if ratio < DISTINCT => case::AMBIGUOUS,
@@ -178,7 +182,7 @@ impl TemplateMatching {
     }
 
     /// Adds the conclusion at the end of the run.
-    fn concluded(&self, seen: &Seen<Self>, step: Step) -> Step {
+    fn conclude(&self, seen: &Seen<Self>, step: Step) -> Step {
         let Some(after) = seen.after.filter(|after| after.is_over) else { return step };
         let (past, tracked) = (&after.past, after.track.points.len().saturating_sub(1));
         let lowest = past.iter().enumerate().min_by(|(_, a), (_, b)| a.zncc.total_cmp(&b.zncc));
@@ -187,7 +191,7 @@ impl TemplateMatching {
         let step = step.put(value::TRACKED, tracked).put(value::PAIRS, past.len());
         let step = step.put(value::LOWEST_ZNCC, at_lowest.zncc).put(value::LOWEST_FRAME, after.span.first + lowest + 1);
         let step = step.put(value::PAIRS_AT_LIMIT, limited).put(value::RANGE, self.search_range).say(case::CONCLUSION);
-        let mut step = self.clipped(step.say_if(limited > 0, case::LIMITED), &after.first);
+        let mut step = self.tell_clipping(step.say_if(limited > 0, case::LIMITED), &after.first);
         if let Some(error) = past.iter().rev().find_map(|past| past.error) {
             step = step.put(value::POSITION_ERROR, error).say(case::FINAL_ERROR);
         }
@@ -207,7 +211,7 @@ impl TemplateMatching {
     fn score_formula(&self, step: Step, pair: &Pair, place: (usize, usize)) -> Step {
         let moments = pair.moments(place);
         let [template_mean, window_mean] = moments.means();
-        let [template_sigma, window_sigma] = moments.deviations();
+        let [deviation, window_sigma] = moments.deviations();
         let step = step.put(value::PIXELS, moments.count);
         match self.score {
             Score::Sad => step
@@ -217,16 +221,16 @@ impl TemplateMatching {
             Score::Zncc => step
                 .put(value::TEMPLATE_MEAN, template_mean)
                 .put(value::WINDOW_MEAN, window_mean)
-                .put(value::TEMPLATE_SIGMA, template_sigma)
+                .put(value::DEVIATION, deviation)
                 .put(value::WINDOW_SIGMA, window_sigma)
                 .put(value::COVARIANCE, moments.covariance())
                 .formula(
                     r"\text{ZNCC} = \frac{\frac{1}{N} \sum_{x, y} (T - \bar{T}) \, (I - \bar{I})}{\sigma_T \sigma_I}",
                 )
                 .formula(
-                    r"N = {pixels}, \bar{T} = {template_mean}, \bar{I} = {window_mean}, \sigma_T = {template_sigma}, \sigma_I = {window_sigma}",
+                    r"N = {pixels}, \bar{T} = {template_mean}, \bar{I} = {window_mean}, \sigma_T = {deviation}, \sigma_I = {window_sigma}",
                 )
-                .formula(r"= \frac{{covariance}}{{template_sigma} \cdot {window_sigma}} = {score}"),
+                .formula(r"= \frac{{covariance}}{{deviation} \cdot {window_sigma}} = {score}"),
             Score::Ssd | Score::Ncc => {
                 let [of_template, of_window] = moments.squares;
                 let step = step.put(value::TEMPLATE_SQUARES, of_template).put(value::WINDOW_SQUARES, of_window);

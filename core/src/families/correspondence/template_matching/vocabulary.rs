@@ -109,15 +109,13 @@ crate::variables! { pub(super) mod value;
     /// The sum of the products of the gray levels of template and window.
     PRODUCT: "", "", Unit::WHOLE;
     /// The mean of the template.
-    TEMPLATE_MEAN: "", r"\bar{T}", Unit::FINE;
+    TEMPLATE_MEAN: "", r"\bar{T}", Unit::GRAY;
     /// The mean of the window.
-    WINDOW_MEAN: "", r"\bar{I}", Unit::FINE;
-    /// The standard deviation of the template.
-    TEMPLATE_SIGMA: "", r"\sigma_T", Unit::FINE;
+    WINDOW_MEAN: "", r"\bar{I}", Unit::GRAY;
     /// The standard deviation of the window.
-    WINDOW_SIGMA: "", r"\sigma_I", Unit::FINE;
+    WINDOW_SIGMA: "", r"\sigma_I", Unit::GRAY;
     /// The covariance of template and window.
-    COVARIANCE: "", "", Unit::FINE;
+    COVARIANCE: "", "", Unit::SQUARED_GRAY;
     /// The name of the cost that is minimised.
     COST_NAME: "", "", Unit::WHOLE;
     /// The cost one pixel before the peak.
@@ -138,10 +136,9 @@ crate::cases! { pub(super) over value;
     TEMPLATE_OF: "{reference|Template} of {width}×{height} px at {template} in frame {frame},",
     TEXTURED: "chosen automatically: the smaller eigenvalue λ₂ = {eigenvalue} of its structure tensor is the largest of all blocks \
                near the middle, so it differs from its surroundings in all directions.",
-    WITHOUT_TEXTURE: "chosen automatically: the picture has no texture near its middle. The structure tensor of the best block there \
-                      has the smaller eigenvalue λ₂ = {eigenvalue}.",
-    WITHOUT_CORNERS: "chosen automatically: the picture has no block with texture in all directions near its middle. The structure \
-                      tensor of the best block there has the smaller eigenvalue λ₂ = {eigenvalue}.",
+    WITHOUT_TEXTURE: "chosen automatically: the picture has no texture near its middle.",
+    WITHOUT_CORNERS: "chosen automatically: the picture has no block with texture in all directions near its middle.",
+    BEST_BLOCK: "The structure tensor of the best block there has the smaller eigenvalue λ₂ = {eigenvalue}.",
     PLACED: "cut from the first frame of the run at the place given.",
     FLAT: "Its standard deviation of {deviation} is below {least_deviation:bare}: without texture every window fits alike, and the \
            run ends. Place the template on an object with corners.",
@@ -156,16 +153,18 @@ crate::cases! { pub(super) over value;
     DIRECT: "Direct sums take {products} products.",
     FOURIER: "Direct sums would take {products} products; products of spectra, by the fast Fourier transform, give the same scores \
               with less effort.",
-    FIRST: "Displacement {candidate}: {measure} {score}, the first place and so the best so far.",
-    ABOVE: "Displacement {candidate}: {measure} {score}, above",
-    BELOW: "Displacement {candidate}: {measure} {score}, below",
+    CANDIDATE: "Displacement {candidate}: {measure} {score},",
+    FIRST: "the first place and so the best so far.",
+    ABOVE: "above",
+    BELOW: "below",
     NEW_BEST: "the best so far, {score_before}: {best|the new best}.",
-    NOT_ABOVE: "Displacement {candidate}: {measure} {score}, not above",
-    NOT_BELOW: "Displacement {candidate}: {measure} {score}, not below",
+    NOT_ABOVE: "not above",
+    NOT_BELOW: "not below",
     NOT_BEST: "the best so far, {best_score} at {best}.",
     ROW_ENDS: "The row ends: {row} of {rows} rows are scored.",
-    HIGHEST: "The highest score of all {places} places is {measure} {score} at displacement {peak}.",
-    LOWEST: "The lowest score of all {places} places is {measure} {score} at displacement {peak}.",
+    HIGHEST: "The highest",
+    LOWEST: "The lowest",
+    PEAK: "score of all {places} places is {measure} {score} at displacement {peak}.",
     AT_LIMIT: "It lies at the limit of the search area, and a better one may lie beyond: a larger search range shows it.",
     NO_PARABOLA: "The peak lies at the border of the search area along x and y, so no parabola fits: the position stays whole.",
     REFINED: "Parabolas through the peak and its neighbours have their vertices at {vertex} from it: the displacement is \
