@@ -149,6 +149,7 @@ impl LucasKanade {
             Texture::Unknown => "unknown",
             Texture::Flat => "flat",
             Texture::Edge => "edge",
+            Texture::Corner if small < CLEAR * self.min_eigenvalue => "weak corner",
             Texture::Corner => "corner",
         };
         let mut step = linear.put(step, pixel).put(shared::MIN_EIGENVALUE, self.min_eigenvalue);

@@ -11,6 +11,8 @@ const BIAS_SIGMAS: f64 = 2.5;
 const LEAST_INNOVATIONS: usize = 6;
 /// The share of rejected measurements above which the others are no fair sample of the innovations.
 const MOST_REJECTED: f64 = 0.25;
+/// How many times as long one component of the innovations is than the other where it tells the direction.
+const CLEARLY: f64 = 1.5;
 
 impl KalmanFilter {
     /// Tells the parameters to change where the motion model does not fit these measurements.
@@ -20,8 +22,11 @@ impl KalmanFilter {
             return trials(step, &retry.others).say(case::UNEXPLAINED);
         }
         step.say(match self.motion {
-            MotionModel::Velocity if is_sideways(gated) => case::BESIDE_PATH,
-            MotionModel::Velocity => case::ALONG_PATH,
+            MotionModel::Velocity => match direction(gated) {
+                Some(Direction::Beside) => case::BESIDE_PATH,
+                Some(Direction::Along) => case::ALONG_PATH,
+                None => case::ALONG_AND_BESIDE,
+            },
             MotionModel::Interacting => case::NEITHER_MODE,
             _ => case::ANOTHER_MODEL,
         })
@@ -81,19 +86,19 @@ impl KalmanFilter {
         let step = step.say_if(rejected > 0, case::GATE_REJECTED);
         let Some(test) = consistency(&nis) else { return step.say(case::UNTESTED) };
         let bias = bias(&nis);
-        let step = match bias {
+        let tell_bias = |step: Step| match bias {
             Some(bias) => self.remedy(step.put(value::BIAS, bias).say(case::BIASED), &nis, None),
             None => step,
         };
         let share = rejected as f64 / gated.len() as f64;
-        // The gate cuts off the large values: their mean would look consistent whatever the filter does.
+        // The gate cuts off the large values: their means would look right whatever the filter does.
         if share <= MOST_REJECTED {
-            return test.tell(step, bias.is_some());
+            return test.tell(tell_bias(step), bias.is_some());
         }
         let refused: Vec<&Gated> = gated.into_iter().filter(|gated| !gated.is_inside()).collect();
         let step = step.put(value::SHARE_REJECTED, 100.0 * share).say(case::MANY_REJECTED);
         match of_another(&refused) {
-            Some(true) => step.say(case::GATE_IS_RIGHT),
+            Some(true) => tell_bias(step.say(case::GATE_IS_RIGHT)),
             Some(false) => self.remedy(step.say(case::HAS_DIVERGED), &refused, self.failed(seen)),
             None => self.remedy(step.say(case::MAY_HAVE_DIVERGED), &refused, self.failed(seen)),
         }
@@ -139,13 +144,26 @@ fn bias(accepted: &[&Gated]) -> Option<[f64; 2]> {
     (accepted.len() >= LEAST_INNOVATIONS && is_biased).then(|| sum.map(|sum| sum / accepted.len() as f64))
 }
 
-/// Whether measurements lie farther beside the predicted path than along it, as those of a turn do.
-fn is_sideways(gated: &[&Gated]) -> bool {
+/// Where measurements lie from their predictions.
+enum Direction {
+    /// Along the predicted path, as those of an object that brakes.
+    Along,
+    /// Beside it, as those of a turn.
+    Beside,
+}
+
+/// The direction of most of the innovations; `None` where neither is clear.
+fn direction(gated: &[&Gated]) -> Option<Direction> {
     let [along, beside] = gated.iter().fold([0.0; 2], |sums, gated| {
         let (from, to) = (gated.expected.place(), gated.measurement().place);
         let ([u, v], [x, y]) = (gated.expected.velocity(), [0, 1].map(|k| to[k] - from[k]));
         let speed = u.hypot(v).max(f64::MIN_POSITIVE);
         [sums[0] + (u * x + v * y) / speed, sums[1] + (u * y - v * x) / speed]
     });
-    beside.abs() > along.abs()
+    let [along, beside] = [along, beside].map(f64::abs);
+    match () {
+        () if along > CLEARLY * beside => Some(Direction::Along),
+        () if beside > CLEARLY * along => Some(Direction::Beside),
+        () => None,
+    }
 }

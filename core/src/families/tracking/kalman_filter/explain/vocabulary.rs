@@ -248,6 +248,8 @@ cases! { pub(in super::super) over value, shared;
     UNEXPLAINED: ", so no other motion model explains them: raise the process noise, or choose another detector.",
     BESIDE_PATH: "The measurements lie beside the predicted path: choose the coordinated turn, or constant acceleration for a thrown \
                   object.",
+    ALONG_AND_BESIDE: "The measurements lie neither clearly along the predicted path nor clearly beside it: compare the motion models, or \
+                       raise the process noise.",
     ALONG_PATH: "The measurements lie along the predicted path: choose the motion model of constant acceleration, or raise the process \
                  noise.",
     NEITHER_MODE: "Neither mode does: raise the process noise or the turn noise, or choose another motion model.",
