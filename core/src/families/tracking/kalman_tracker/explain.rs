@@ -104,13 +104,12 @@ impl KalmanTracker {
             }
             None => step,
         };
-        let conditions = match self.cost {
-            PairCost::Mahalanobis => r"d^2 \le \text{gate } {gate}".to_owned(),
-            PairCost::Overlap => format!(r"\text{{IoU}} {}", self.iou_limit()),
-            PairCost::Both => format!(r"d^2 \le \text{{gate }} {{gate}}, \text{{IoU}} {}", self.iou_limit()),
+        let limits = match self.cost {
+            PairCost::Mahalanobis => "the gate",
+            PairCost::Overlap => "the IoU threshold",
+            PairCost::Both => "gate and IoU threshold",
         };
-        let step = step.formula(format!("C = {}", self.cost_symbols()));
-        step.formula(format!(r"C = \infty \text{{ unless }} {conditions}"))
+        step.formula(format!(r"C = {} \text{{, or }} \infty \text{{ outside {limits}}}", self.cost_symbols()))
     }
 
     fn limits(&self, step: Step, costs: &Costs) -> Step {
@@ -153,21 +152,19 @@ impl KalmanTracker {
         };
         let step = step.say_if(pair.stage == MatchingStage::LowScore, case::LOW_SCORE);
         let step = step.say_if(pair.stage == MatchingStage::Tentative, case::LEFT_BY_CONFIRMED);
-        let step = step.formula(format!("C = {}", self.cost_symbols()));
+        let symbols = format!("C = {}", self.cost_symbols());
         match self.cost {
             PairCost::Mahalanobis => self
-                .distance_formula(step, costs, [row, pair.column])
+                .distance_formula(step.formula(symbols), costs, [row, pair.column])
                 .formula(r"\text{with } d^2 = {d_squared} \le \text{gate } {gate}"),
             PairCost::Overlap => {
-                let step = step.formula("C = 1 - {overlap} = {cost}");
+                let step = step.formula(symbols).formula("= 1 - {overlap} = {cost}");
                 step.formula(format!(r"\text{{with IoU}} = {{overlap}} {limit}"))
             }
             PairCost::Both => {
-                let step = self.distance_formula(step, costs, [row, pair.column]).formula(
-                    r"C = \frac{1}{2} \left( \frac{{d_squared}}{{gate}} + \frac{1 - {overlap}}{1 - {iou_threshold}} \right) = {cost}",
-                );
-                let distance = r"\text{with } d^2 = {d_squared} \le \text{gate } {gate}, ";
-                step.formula(format!(r"{distance} \text{{IoU}} = {{overlap}} {limit}"))
+                self.distance_formula(step, costs, [row, pair.column]).formula(symbols).formula(
+                    r"= \frac{1}{2} \left( \frac{{d_squared}}{{gate}} + \frac{1 - {overlap}}{1 - {iou_threshold}} \right) = {cost}",
+                )
             }
         }
     }
