@@ -30,6 +30,9 @@ choices! {
     }
 }
 
+/// A point of the plane: its name, its role, and where it lies.
+type NamedPoint = (&'static str, Role, [f32; 2]);
+
 impl Solver {
     /// Returns the relaxation factor ω, 1 for Gauss–Seidel; `None` for Jacobi.
     pub fn relaxation(self, over: f32) -> Option<f32> {
@@ -70,7 +73,7 @@ impl Solver {
         probe: &Probe<M>,
         ([mean, update], relaxation): ([[f32; 2]; 2], f32),
         tell: impl FnOnce(Step) -> Step,
-    ) -> (Step, Vec<(&'static str, Role, [f32; 2])>) {
+    ) -> (Step, Vec<NamedPoint>) {
         let mean_point = ("mean", Role::Predicted, mean);
         let step = step.put_value(probe.px(value::NEIGHBOURHOOD_MEAN, mean));
         match index {
