@@ -36,7 +36,7 @@ pub enum Asked {
     },
     /// One of several answers: that of the first case that a step is.
     Choice(&'static [Reply]),
-    /// A value of a step of `line`.
+    /// A value that a step of `line` shows.
     Value {
         /// The line of the step.
         line: Name,
@@ -201,7 +201,7 @@ impl Question {
                 self.choices().iter().position(|answer| *answer == case.answer).map(Answer::Choice)
             }
             Asked::Value { line, of } if *line == after.step.line => {
-                let value = after.step.value(of)?;
+                let value = after.step.value(of).filter(|_| after.step.shows(of))?;
                 Some(Answer::Number { value: value.rounded()?, shown: value.bare() })
             }
             Asked::Value { .. } => None,
@@ -330,6 +330,7 @@ mod tests {
         let share = Question::value("share", "Which share?", line::TEST, value::SHARE);
         assert_eq!(told(covered(92.6), &share), Some(Answer::Number { value: 93.0, shown: "93".into() }));
         assert_eq!(told(Step::at(line::KEEP), &share), None);
+        assert_eq!(told(Step::at(line::TEST).put(value::SHARE, 92.6), &share), None, "it is not shown");
         assert_eq!(told(covered(92.6), &share.unless_told(&[case::COVERED])), None);
         const REPLIES: &[Reply] =
             &[Reply::above(line::TEST, (value::SHARE, 50.0), "More"), Reply::told(line::TEST, case::COVERED, "Less")];
@@ -372,7 +373,7 @@ mod tests {
     #[test]
     fn questions_with_an_answer_take_turns() {
         let questions = [QUESTION, Question::value("share", "Which share?", line::TEST, value::SHARE)];
-        let (step, scene) = (Step::at(line::TEST).put(value::SHARE, 12.0).say(case::BELOW), Scene::default());
+        let (step, scene) = (Step::at(line::TEST).fact(value::SHARE, 12.0).say(case::BELOW), Scene::default());
         let shown = Shown { step: &step, scene: &scene };
         let id = |turn| asked(&questions, shown, shown, turn).map(|(question, _)| question.id);
         assert_eq!([0, 1, 2].map(id), [Some("lower"), Some("share"), Some("lower")]);

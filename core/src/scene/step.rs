@@ -52,6 +52,14 @@ impl Step {
         self.values.iter().rev().find(|value| value.of == of)
     }
 
+    /// Whether the value of a variable stands in the sentence, in a formula or among the facts.
+    pub fn shows(&self, of: &Variable) -> bool {
+        let mut in_formulas = self.formulas().iter().flat_map(Math::values);
+        self.sentence.variables().flatten().any(|told| told == of)
+            || in_formulas.any(|(value, _)| value.of == of)
+            || self.facts().iter().any(|fact| fact.label == of.label)
+    }
+
     /// The number of a variable; NaN where it has none.
     pub fn real(&self, of: &Variable) -> f64 {
         match self.value(of).map(|value| &value.number) {

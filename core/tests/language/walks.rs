@@ -5,7 +5,7 @@ use std::sync::{Arc, LazyLock};
 
 use motionscope_core::params::{Kind, Placed, Spec, Spot, Value};
 use motionscope_core::pseudocode::{Line, Name, is_heading};
-use motionscope_core::scene::{Asked, Focus, Math, Question, Role, Shown, Variable, asked};
+use motionscope_core::scene::{Asked, Focus, Question, Role, Shown, asked};
 use motionscope_core::{
     AnyEstimator, Bounds, Clip, Cursor, Detection, Direction, Frame, Grid, Guarantee, Info, Move, ObjectBox, Params,
     Step, Walk, estimators, synth,
@@ -206,23 +206,13 @@ pub struct Seen {
     pub texts: Texts,
     /// The roles of the marks at the steps of each line.
     pub marked: BTreeSet<(Name, Role)>,
-    /// The values of the steps of each line, by their names.
+    /// The values that steps of each line show, by their names.
     pub values: BTreeSet<(Name, &'static str)>,
     /// The cases of questions that steps are: the id of the question and the index of its first case that holds.
     pub cases: BTreeSet<(&'static str, usize)>,
     /// The questions that are asked when it is walked event by event.
     pub asked: BTreeSet<&'static str>,
-    /// The questions for a value that some step has and does not show.
-    pub hidden: BTreeSet<&'static str>,
     turn: usize,
-}
-
-/// Whether a value stands in the sentence, in a formula or among the facts.
-fn shows(step: &Step, of: &Variable) -> bool {
-    let mut in_formulas = step.formulas().iter().flat_map(Math::values);
-    step.sentence.variables().flatten().any(|told| told == of)
-        || in_formulas.any(|(value, _)| value.of == of)
-        || step.facts().iter().any(|fact| fact.label == of.label)
 }
 
 impl Seen {
@@ -243,16 +233,6 @@ impl Seen {
             let first = cases.iter().position(|case| case.holds(step));
             self.cases.extend(first.map(|case| (question.id, case)));
         }
-        let is_hidden = |question: &&Question| match question.asked {
-            Asked::Value { line, of } => {
-                line == step.line
-                    && step.value(of).is_some()
-                    && !question.obvious.iter().any(|case| step.is(case))
-                    && !shows(step, of)
-            }
-            _ => false,
-        };
-        self.hidden.extend(questions.iter().filter(is_hidden).map(|question| question.id));
     }
 
     /// Walks through a run, and looks at each step, and at some pixels that can be explained by then.
@@ -271,7 +251,11 @@ impl Seen {
             self.decide(questions, &now.0);
             self.texts.add_scene(&now.1);
             self.values.extend(
-                now.0.values.iter().filter(|value| value.rounded().is_some()).map(|value| (now.0.line, value.of.name)),
+                now.0
+                    .values
+                    .iter()
+                    .filter(|value| value.rounded().is_some() && now.0.shows(value.of))
+                    .map(|value| (now.0.line, value.of.name)),
             );
             self.marked.extend(now.1.marks.iter().map(|mark| (now.0.line, mark.role)));
             let [shown, next] = [&before, &now].map(|(step, scene)| Shown { step, scene });

@@ -171,7 +171,8 @@ impl Camshift {
             value::AXIS_ANGLE.is(angle.to_degrees()).rounded()
                 == value::AXIS_ANGLE.is(region.angle_rad.to_degrees()).rounded()
         });
-        let step = terms(further).into_iter().fold(step, Step::fact_of);
+        let step = terms(0).into_iter().fold(step, Step::fact_of);
+        let step = terms(further).into_iter().fold(step, Step::put_value);
         step.formula(r"\theta = \text{½ atan2}(2 \sigma_{xy}, \sigma_{xx} - \sigma_{yy})")
             .formula(r"\theta = \text{½ atan2}(2 \cdot {covariance}, {variance_x} - {variance_y}) = {axis_angle:unit}")
     }
