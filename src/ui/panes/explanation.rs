@@ -499,7 +499,7 @@ fn in_numbers(formula: &[Math], mut kept: usize) -> Vec<Math> {
     brief
 }
 
-/// What stands before the first "=" of a line of symbols; `None` for a line with values.
+/// The name before the first "=" of a line of symbols; `None` for a line with values.
 fn result_of_symbols(line: &Math) -> Option<Math> {
     let Math::Row(parts) = line else { return None };
     let at = parts.iter().position(|part| matches!(part, Math::Text(text, _) if text.trim() == "="))?;

@@ -39,7 +39,7 @@ pub fn exercise(lines: &[Math], (known, printed): (&[String], &Printed), fill: F
         let (mut parts, mut has_result, mut is_told) = (Vec::new(), false, false);
         for (number, clause) in line.iter().enumerate() {
             let place = InLines { earlier: &clauses[..index], line, number };
-            // What stands behind a result follows from it.
+            // A value behind a result follows from it.
             let is_result = |value: &Place| !is_given && (has_result || place.is_in_reach(value, printed));
             let (part, answers) = match clause.value().filter(is_result) {
                 _ if is_told => writing.told(&row(&clause.0)),

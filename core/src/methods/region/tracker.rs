@@ -23,7 +23,7 @@ pub struct Similarity {
     pub symbol: &'static str,
     /// Its decimals.
     pub decimals: usize,
-    /// What has a high one too, without being the object, as the subject of a sentence.
+    /// Another thing that has a high one, as the subject of a sentence.
     pub shared_by: &'static str,
 }
 

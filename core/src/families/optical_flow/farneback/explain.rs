@@ -15,7 +15,7 @@ cases! { pub(super)
     ADVISE_MOTION: "More pyramid levels would reach this motion.",
 }
 
-/// What would help where Farnebäck's method fails.
+/// The remedies where Farnebäck's method fails.
 const ADVICE: Advice =
     Advice { texture: case::ADVISE_TEXTURE, boundary: case::ADVISE_BOUNDARY, motion: case::ADVISE_MOTION };
 
