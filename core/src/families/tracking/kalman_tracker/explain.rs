@@ -58,7 +58,7 @@ impl KalmanTracker {
                     step.put(shared::DEVIATION, explain::deviation(&widest.filter)).say(case::PREDICTED)
                 }
             },
-            Some(Event::Costs(costs)) => self.gated(at(line::COMPUTE_COSTS), seen, costs),
+            Some(Event::Costs(costs)) => self.gated(at(line::COMPUTE_COSTS), costs),
             Some(Event::Assigned(costs, row, pair)) => {
                 self.assigned(of(line::ASSIGN, &costs.tracks[*row]), costs, *row, pair)
             }
@@ -81,8 +81,8 @@ impl KalmanTracker {
         }
     }
 
-    /// The gates, with the pair of least cost: of the selected track, or else of all.
-    fn gated(&self, step: Step, seen: &Seen<MultiTracking<Self>>, costs: &Costs) -> Step {
+    /// Tells the gates.
+    fn gated(&self, step: Step, costs: &Costs) -> Step {
         let (has_gate, has_threshold) = (self.cost != PairCost::Overlap, self.iou_threshold > 0.0);
         let step = explain::tell_gate(self.limits(step, costs).put(value::GREEDY, costs.greedy), shared_case::GATED);
         let step = step.say_if(has_gate, shared_case::GATE).say(match (self.cost, has_threshold) {
@@ -93,23 +93,13 @@ impl KalmanTracker {
             (PairCost::Both, false) => case::AND_OVERLAP,
         });
         let step = explain::tell_crowding(step, costs.crowded).say_if(costs.greedy > 0, case::GREEDY);
-        let selected = selected(seen).map(|selected| selected.id);
-        let is_meant = |(row, ..): &(usize, usize, f64)| selected.is_none_or(|id| costs.tracks[*row].id == id);
-        let cheapest = costs.costs.iter().filter(is_meant).min_by(|a, b| a.2.total_cmp(&b.2));
-        let step = match cheapest.filter(|_| has_gate) {
-            Some((row, column, _)) => {
-                let step = step.put(shared::TRACK, costs.tracks[row].id).put(shared::DETECTION, column + 1);
-                let step = step.formula(r"\text{pair of least cost: track } {track} \text{, detection } {detection}");
-                self.distance_formula(step, costs, [row, column])
-            }
-            None => step,
+        let conditions = match self.cost {
+            PairCost::Mahalanobis => r"d^2 \le \text{gate } {gate}".to_owned(),
+            PairCost::Overlap => format!(r"\text{{IoU}} {}", self.iou_limit()),
+            PairCost::Both => format!(r"d^2 \le \text{{gate }} {{gate}}, \text{{IoU}} {}", self.iou_limit()),
         };
-        let limits = match self.cost {
-            PairCost::Mahalanobis => "the gate",
-            PairCost::Overlap => "the IoU threshold",
-            PairCost::Both => "gate and IoU threshold",
-        };
-        step.formula(format!(r"C = {} \text{{, or }} \infty \text{{ outside {limits}}}", self.cost_symbols()))
+        let step = step.formula(format!("C = {}", self.cost_symbols()));
+        step.formula(format!(r"C = \infty \text{{ unless }} {conditions}"))
     }
 
     fn limits(&self, step: Step, costs: &Costs) -> Step {
