@@ -152,7 +152,7 @@ impl KalmanTracker {
                 step.formula(format!(r"\text{{with IoU}} = {{overlap}} {limit}"))
             }
             PairCost::Both => {
-                self.distance_formula(step, costs, [row, pair.column]).formula(symbols).formula(
+                step.formula(symbols).formula(
                     r"= \frac{1}{2} \left( \frac{{d_squared}}{{gate}} + \frac{1 - {overlap}}{1 - {iou_threshold}} \right) = {cost}",
                 )
             }
