@@ -427,7 +427,11 @@ impl Setter<'_> {
         whole
     }
 
+    /// A large sign with its range below it; without a range it is no higher than the line.
     fn sum(&mut self, index: &Math, size: f32) -> Formula {
+        if index.plain().is_empty() {
+            return self.text("Σ ", size, Face::Sans, None);
+        }
         let large = 1.5 * size;
         let mut sign = self.text("Σ", large, Face::Sans, None);
         let index = self.set(index, 0.66 * size);

@@ -223,3 +223,10 @@ fn symbols_tell_where_they_stand() {
     assert_eq!(names, ["I_x", "I", "x", "T"]);
     assert!(formula.symbols[3].0.min[0] >= formula.symbols[0].0.max[0] - 0.1);
 }
+
+#[test]
+fn a_sum_without_a_range_is_no_higher_than_its_line() {
+    let height = |index: &str| typeset(&Math::Sum(Box::new(Math::text(index))), 20.0, 400.0).size()[1];
+    assert_eq!(height(""), typeset(&Math::text("Σ"), 20.0, 400.0).size()[1]);
+    assert!(height("i") > 1.5 * height(""), "{}", height("i"));
+}
