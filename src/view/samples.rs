@@ -72,12 +72,7 @@ fn every_formula_is_drawn_with_characters_that_the_fonts_have() {
 
 /// The step in a language that does not exist: the words of its templates are others, its values are the same.
 pub fn translated(step: &Step) -> Step {
-    let words = step.sentence.words().zip(step.sentence.variables()).map(|((words, role), of)| match of {
-        Some(_) => (words, role),
-        None => (words.replace(char::is_alphabetic, "ß"), role),
-    });
-    let mut sentence = Sentence::of_words(words.collect());
-    sentence.cases.clone_from(&step.sentence.cases);
+    let sentence = step.sentence.clone().in_words(|words| words.replace(char::is_alphabetic, "ß"));
     Step { sentence, ..step.clone() }
 }
 

@@ -44,10 +44,15 @@ impl Piece {
 }
 
 impl Sentence {
-    /// Words in their colours.
-    pub fn of_words(words: Vec<(String, Option<Role>)>) -> Self {
-        let pieces = words.into_iter().map(|(words, role)| Piece::Words(words, role)).collect();
-        Self { cases: Vec::new(), pieces }
+    /// The sentence in other words, with the same cases and values.
+    #[must_use]
+    pub fn in_words(mut self, mut translate: impl FnMut(&str) -> String) -> Self {
+        for piece in &mut self.pieces {
+            if let Piece::Words(words, _) = piece {
+                *words = translate(words);
+            }
+        }
+        self
     }
 
     /// Adds plain words.
