@@ -1,6 +1,6 @@
 //! Steps of every estimator, and laws that hold for all of them.
 
-use motionscope_core::scene::{Math, Sentence, Shown, latex};
+use motionscope_core::scene::{Math, Shown, latex};
 use motionscope_core::{AnyEstimator, Direction, Move, Scene, Step, estimators, examples};
 
 use crate::experiment::source::Source;
