@@ -13,6 +13,8 @@ use objects::window;
 const PARTS: usize = 4;
 /// Sizes of windows, in pixels.
 const SIZES: [[f32; 2]; 5] = [[844.0, 390.0], [1024.0, 768.0], [1280.0, 720.0], [1920.0, 1080.0], [2560.0, 1440.0]];
+/// The two that leave the least room, and that of a projector.
+const CORNERS: [[f32; 2]; 3] = [SIZES[0], SIZES[1], SIZES[2]];
 /// Pixels per point, for those of which half a window is a usual one.
 const SCALES: [f32; 3] = [1.0, 1.5, 2.0];
 /// How far the copies of a word in its halo lie from each other, at most.
@@ -175,6 +177,20 @@ fn resize(window: &mut Window, pixels: [f32; 2], scale: f32) {
     }
 }
 
+/// The windows in which a theme is looked at: pixels, and pixels per point. The corners of the matrix, or all of it in the night, when
+/// `EVERY_LAYOUT` is set.
+fn windows(theme: Theme) -> Vec<([f32; 2], f32)> {
+    if std::env::var_os("EVERY_LAYOUT").is_none() {
+        // The light theme differs from the dark one in nothing but its colours.
+        let sizes = if theme == Theme::Light { &[][..] } else { &CORNERS[..] };
+        let doubled = (theme == Theme::Projector).then_some((SIZES[2], 2.0));
+        return sizes.iter().map(|size| (*size, 1.0)).chain(doubled).collect();
+    }
+    let is_usual = |pixels: [f32; 2]| [1280.0, 1920.0].contains(&pixels[0]);
+    let all = SIZES.into_iter().flat_map(|pixels| SCALES.map(|scale| (pixels, scale)));
+    all.filter(|(pixels, scale)| *scale == 1.0 || is_usual(*pixels)).collect()
+}
+
 /// Looks at an estimator in the middle of a run and at its end, in every window.
 fn look_at(id: &str, faults_of: &mut Vec<String>) {
     for step in ["1.4", "end"] {
@@ -194,16 +210,12 @@ fn look_at(id: &str, faults_of: &mut Vec<String>) {
                 Theme::Light => Command::LightTheme,
                 Theme::Projector => Command::ProjectorTheme,
             });
-            for pixels in SIZES {
-                // The light theme differs from the dark one in nothing but its colours.
-                let is_plain = theme == Theme::Light || ![1280.0, 1920.0].contains(&pixels[0]);
-                for scale in SCALES.into_iter().filter(|scale| !is_plain || *scale == 1.0) {
-                    resize(&mut window, pixels, scale);
-                    let at = format!("{id} at {step}, {theme:?}, {}×{} at {scale}×", pixels[0], pixels[1]);
-                    faults_of.extend(faults(&window).into_iter().map(|fault| format!("{at}: {fault}")));
-                    let small = small(&window).filter(|_| scale == 1.0);
-                    faults_of.extend(small.map(|fault| format!("{at}: {fault}")));
-                }
+            for (pixels, scale) in windows(theme) {
+                resize(&mut window, pixels, scale);
+                let at = format!("{id} at {step}, {theme:?}, {}×{} at {scale}×", pixels[0], pixels[1]);
+                faults_of.extend(faults(&window).into_iter().map(|fault| format!("{at}: {fault}")));
+                let small = small(&window).filter(|_| scale == 1.0);
+                faults_of.extend(small.map(|fault| format!("{at}: {fault}")));
             }
         }
         window.command(Command::Present);

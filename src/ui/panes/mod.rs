@@ -359,7 +359,8 @@ impl Panes<'_> {
         let is_meant = self.states.pointing.is_meant(ui, shown.cursor);
         let hovered = response.hovered.filter(|_| is_meant);
         self.actions.ask(Action::Focus(hovered));
-        if hovered.is_some() && !std::mem::replace(&mut self.states.has_hinted, true) {
+        // In front of a class nothing lies over the chart.
+        if hovered.is_some() && !self.presented.is_bare && !std::mem::replace(&mut self.states.has_hinted, true) {
             self.actions.ask(Action::Hint(HINT));
         }
         if let Some(explained) = response.explained {
