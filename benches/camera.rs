@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use motionscope::media::camera::{Camera, Size, TestPicture};
 use motionscope::ui::model::live::Live;
-use motionscope_core::estimator;
+use motionscope_core::course::estimator;
 
 /// The time over which frames are counted.
 const COUNTED: Duration = Duration::from_secs(10);

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use motionscope::media::{Open, open};
-use motionscope_core::Clip;
+use motionscope_core::data::Clip;
 
 fn path() -> PathBuf {
     let bundled = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/900.mp4");

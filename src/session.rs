@@ -56,7 +56,8 @@ mod write;
 use std::ffi::OsStr;
 use std::path::Path;
 
-use motionscope_core::{Error, Pace};
+use motionscope_core::base::Error;
+use motionscope_core::run::Pace;
 use serde::Serialize;
 
 use crate::experiment::source::Source;

@@ -10,7 +10,7 @@ use motionscope::ui::app::App;
 use motionscope::ui::app::commands::Command;
 use motionscope::ui::model::snapshot::Snapshot;
 use motionscope::ui::{self, Start};
-use motionscope_core::Histogram;
+use motionscope_core::data::Histogram;
 use motionscope_core::scene::Readout;
 
 /// The window, and the waiting that a person does not notice.

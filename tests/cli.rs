@@ -14,8 +14,9 @@ use motionscope::experiment::source::Source;
 use motionscope::experiment::unplaced;
 use motionscope::media::{Open, open};
 use motionscope::session::Session;
+use motionscope_core::course::{estimator, estimators};
 use motionscope_core::params::{Figure, Kind, Spec};
-use motionscope_core::{Cursor, Move, estimator, estimators};
+use motionscope_core::run::{Cursor, Move};
 use serde_json::Value;
 
 fn motionscope(folder: &Path, line: &str) -> Output {

@@ -14,7 +14,9 @@ use common::{Random, check_sentence, damaged, in_time, mistaken};
 use image::{DynamicImage, ExtendedColorType, ImageFormat, RgbaImage};
 use motionscope::media::{self, Given, Open, export};
 use motionscope::session::Session;
-use motionscope_core::{Clip, Disparity, Error, Flow, Frame, Grid};
+use motionscope_core::base::Error;
+use motionscope_core::data::{Clip, Disparity, Flow, Frame};
+use motionscope_core::geometry::Grid;
 
 /// Files of each kind.
 const CASES: u64 = 120;

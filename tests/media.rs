@@ -6,7 +6,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use motionscope::media::{Open, Progress, open};
-use motionscope_core::{Clip, Error, Frame};
+use motionscope_core::base::Error;
+use motionscope_core::data::{Clip, Frame};
 use proptest::prelude::*;
 
 fn fixture(name: &str) -> PathBuf {

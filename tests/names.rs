@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use motionscope_core::estimators;
+use motionscope_core::course::estimators;
 
 /// Files that hold nothing but data about chosen estimators, and what they are for.
 const DATA: [(&str, &str); 4] = [

@@ -7,8 +7,12 @@ use motionscope::paint::{
     ArrowStyle, Caption, ColorMap, Face, Figure, FigureOptions, FlowLayer, LayerStyle, Lengthen, Pictures, Primitive,
     Scalars, Style, SvgText, Theme, Tint, View, export_png, export_svg, primitive,
 };
-use motionscope_core::scene::{Arrow, Picture, Sentence, Shape};
-use motionscope_core::{Clip, Cursor, Flow, Frame, Grid, Move, Role, Scene, Streaks, estimator};
+use motionscope_core::course::estimator;
+use motionscope_core::data::{Clip, Flow, Frame};
+use motionscope_core::geometry::Grid;
+use motionscope_core::products::Streaks;
+use motionscope_core::run::{Cursor, Move};
+use motionscope_core::scene::{Arrow, Picture, Role, Scene, Sentence, Shape};
 use resvg::{tiny_skia, usvg};
 
 /// Floating-point units differ in the last bit, so a channel may differ by this much.

@@ -22,7 +22,11 @@ use motionscope::session::lesson::{self, Address};
 use motionscope::ui::app::App;
 use motionscope::ui::app::commands::Command;
 use motionscope::ui::{self, Start};
-use motionscope_core::{Frame, Grid, Guarantee, estimators, scene};
+use motionscope_core::course::estimators;
+use motionscope_core::data::Frame;
+use motionscope_core::geometry::Grid;
+use motionscope_core::run::Guarantee;
+use motionscope_core::scene;
 
 /// Most bytes that a picture may have.
 const MOST_BYTES: usize = 300_000;

@@ -6,7 +6,8 @@ use std::process::{Command, Output, Stdio};
 
 use motionscope::media::export::{self, Pixels};
 use motionscope::media::{Open, open};
-use motionscope_core::{Clip, Viewpoint, synth};
+use motionscope_core::data::{Clip, Viewpoint};
+use motionscope_core::synth;
 use serde_json::Value;
 
 fn motionscope(folder: &Path, line: &str) -> Output {
@@ -147,7 +148,7 @@ fn a_right_view_is_given_as_a_file_a_folder_or_a_half() {
     put(&clip, Viewpoint::Left, &here.join("one/a.png"));
     put(&clip, Viewpoint::Right, &here.join("two/b.png"));
     let [left, right] = [Viewpoint::Left, Viewpoint::Right].map(|from| clip.frame_from(from, 0).expect("a frame"));
-    let wide = motionscope_core::Grid::from_fn(320, 96, |x, y| {
+    let wide = motionscope_core::geometry::Grid::from_fn(320, 96, |x, y| {
         if x < 160 { left.luma()[(x, y)] } else { right.luma()[(x - 160, y)] }
     });
     fs::write(here.join("wide.png"), export::png(320, 96, Pixels::Gray(wide.cells())).expect("a PNG"))

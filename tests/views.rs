@@ -24,9 +24,12 @@ use motionscope::ui::panes::layout::Panes;
 use motionscope::ui::stage::{self, Zoom};
 use motionscope::view::look::{Look, RunState};
 use motionscope::view::motion::AvailableLayers;
-use motionscope_core::block_matching::FullSearch;
-use motionscope_core::scene::{Focus, Picture, Readout, Surface, Tile};
-use motionscope_core::{AnyEstimator, Clip, Cursor, Frame, Grid, Move, Params, Role, Scene, Step, Walk};
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::families::block_matching::FullSearch;
+use motionscope_core::geometry::Grid;
+use motionscope_core::params::Params;
+use motionscope_core::run::{AnyEstimator, Cursor, Move, Walk};
+use motionscope_core::scene::{Focus, Picture, Readout, Role, Scene, Step, Surface, Tile};
 
 /// A walk through a pair that moves by (2, 1), some way into a block.
 struct Fixture {

@@ -79,8 +79,10 @@ use motionscope::view::motion::Reverse;
 use motionscope::view::panes::Selection;
 use motionscope::view::rendering::Format;
 use motionscope::view::steps::Range;
+use motionscope_core::params::Value;
+use motionscope_core::products::metrics;
+use motionscope_core::run::Cursor;
 use motionscope_core::scene::{Focus, Readout};
-use motionscope_core::{Cursor, Value, metrics};
 
 /// The window, and the waiting that a person does not notice.
 struct Window {
@@ -902,7 +904,8 @@ fn a_word_in_the_colour_of_a_role_shows_its_marks_alone_while_it_is_pointed_at()
         window.settle();
         found.extend(window.app().lit());
     }
-    let is_marked = |role: &&motionscope_core::Role| window.shown().scene.marks.iter().any(|mark| mark.role == **role);
+    let is_marked =
+        |role: &&motionscope_core::scene::Role| window.shown().scene.marks.iter().any(|mark| mark.role == **role);
     let missing = roles.iter().filter(is_marked).find(|role| !found.contains(role));
     assert_eq!(missing, None, "not found in {}: {found:?}", sentence.plain());
     window.harness.hover_at(Pos2::new(5.0, 5.0));
@@ -1079,7 +1082,7 @@ fn a_key_that_is_let_go_as_another_can_be_pressed_again() {
 #[test]
 fn a_key_opens_the_examples_of_an_estimator_one_after_the_other() {
     let mut window = Window::usual();
-    let examples: Vec<_> = motionscope_core::examples::of("full-search").collect();
+    let examples: Vec<_> = motionscope_core::course::examples::of("full-search").collect();
     assert!(examples.len() > 2, "there are several");
     for example in examples.iter().chain(&examples[..1]) {
         window.key(Key::E);

@@ -4,7 +4,11 @@
 //! whole runs on one and on two threads, and one step back in the middle of a walk.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use motionscope_core::{AnyEstimator, Clip, Cursor, Direction, Frame, Grid, Move, Threads, estimators};
+use motionscope_core::base::Threads;
+use motionscope_core::course::estimators;
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::geometry::Grid;
+use motionscope_core::run::{AnyEstimator, Cursor, Direction, Move};
 
 fn clip(width: usize, height: usize) -> Clip {
     let texture = |x: i64, y: i64| {

@@ -3,7 +3,10 @@
 //! A template of 64×64 px over all places of a VGA picture, on one thread; then whole runs on a pair of frames.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use motionscope_core::{Clip, Frame, Grid, Threads, estimator};
+use motionscope_core::base::Threads;
+use motionscope_core::course::estimator;
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::geometry::Grid;
 
 fn clip((width, height): (usize, usize)) -> Clip {
     let wave = |x: f64, y: f64| {

@@ -3,7 +3,11 @@
 //! Without limits of distance and number, as the peers that they are held against; ORB with its defaults.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use motionscope_core::{Clip, Frame, Gray, Grid, PointField, Threads, estimator};
+use motionscope_core::base::Threads;
+use motionscope_core::course::estimator;
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::geometry::{Gray, Grid};
+use motionscope_core::products::PointField;
 
 /// Smooth noise on several scales with some edges.
 fn texture(width: usize, height: usize) -> Gray {

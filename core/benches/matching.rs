@@ -4,14 +4,16 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use motionscope_core::correspondence::{EpipolarGeometry, GlobalMotion};
-use motionscope_core::geometric::{
-    Correspondence,
-    epipolar::{line, line_back},
-    robust::Robust,
-};
+use motionscope_core::base::Threads;
+use motionscope_core::course::estimator;
+use motionscope_core::data::Clip;
+use motionscope_core::families::correspondence::{EpipolarGeometry, GlobalMotion};
+use motionscope_core::methods::geometric::Correspondence;
+use motionscope_core::methods::geometric::epipolar::{line, line_back};
+use motionscope_core::methods::geometric::robust::Robust;
+use motionscope_core::params::Params;
 use motionscope_core::products::model::mapped;
-use motionscope_core::{Clip, Params, Threads, estimator, synth};
+use motionscope_core::synth;
 
 fn vga() -> Clip {
     let scene = synth::scene("pillar").expect("a scene");

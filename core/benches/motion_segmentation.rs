@@ -6,8 +6,12 @@
 use std::sync::Arc;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use motionscope_core::segmentation::{Place, Points};
-use motionscope_core::{Clip, Params, Threads, estimator, synth};
+use motionscope_core::base::Threads;
+use motionscope_core::course::estimator;
+use motionscope_core::data::Clip;
+use motionscope_core::methods::segmentation::points::{Place, Points};
+use motionscope_core::params::Params;
+use motionscope_core::synth;
 
 fn clip() -> Clip {
     let scene = synth::scene("rigid-layers").expect("a bundled scene");

@@ -7,11 +7,11 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use motionscope_core::objects::{Connectivity, Labelling};
-use motionscope_core::{
-    Clip, ClipInfo, Cursor, Error, Frame, FrameSource, Gray, Grid, Guarantee, Mask, Move, Stop, Threads, estimator,
-    estimators,
-};
+use motionscope_core::base::{Error, Stop, Threads};
+use motionscope_core::course::{estimator, estimators};
+use motionscope_core::data::{Clip, ClipInfo, Connectivity, Frame, FrameSource, Labelling, Mask};
+use motionscope_core::geometry::{Gray, Grid};
+use motionscope_core::run::{Cursor, Guarantee, Move};
 
 const FRAMES: usize = 60;
 

@@ -4,8 +4,11 @@
 //! also as in the paper: 100 Jacobi iterations, no pyramid.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use motionscope_core::interest_points::Harris;
-use motionscope_core::{Clip, Frame, Grid, Threads, estimator, estimators};
+use motionscope_core::base::Threads;
+use motionscope_core::course::{estimator, estimators};
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::families::interest_points::Harris;
+use motionscope_core::geometry::Grid;
 
 fn clip(width: usize, height: usize) -> Clip {
     let wave = |x: f64, y: f64| {

@@ -3,8 +3,11 @@
 //! On a synthetic pair of 450×375 px with 64 disparities, on one and on two threads; the errors are printed beside the times.
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use motionscope_core::base::Threads;
+use motionscope_core::course::estimator;
+use motionscope_core::products::DisparityField;
 use motionscope_core::products::disparity::disparity_error;
-use motionscope_core::{DisparityField, Threads, estimator, synth};
+use motionscope_core::synth;
 
 fn whole_runs(c: &mut Criterion) {
     let scene = synth::scene("still-life").expect("a scene");

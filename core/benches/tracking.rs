@@ -4,11 +4,14 @@ use std::hint::black_box;
 use std::sync::Arc;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use motionscope_core::kalman::{Estimate, Sensor, Velocity};
-use motionscope_core::objects::score::scores;
-use motionscope_core::{
-    Bounds, Clip, Detection, Error, Flow, Frame, Grid, ObjectBox, ObjectField, Threads, Truth, estimator, synth,
-};
+use motionscope_core::base::{Error, Threads};
+use motionscope_core::course::estimator;
+use motionscope_core::data::{Clip, Detection, Flow, Frame, ObjectBox, Truth};
+use motionscope_core::geometry::{Bounds, Grid};
+use motionscope_core::methods::kalman::{Estimate, Sensor, Velocity};
+use motionscope_core::products::ObjectField;
+use motionscope_core::products::objects::score::scores;
+use motionscope_core::synth;
 use nalgebra::{SMatrix, Vector2, Vector4};
 
 /// A time step and a measurement of a filter with four numbers, of which two are measured.

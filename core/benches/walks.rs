@@ -6,7 +6,12 @@
 
 use std::time::{Duration, Instant};
 
-use motionscope_core::{AnyEstimator, Clip, Frame, Move, Params, Threads, estimator, estimators, synth};
+use motionscope_core::base::Threads;
+use motionscope_core::course::{estimator, estimators};
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::params::Params;
+use motionscope_core::run::{AnyEstimator, Move};
+use motionscope_core::synth;
 
 /// The variational methods, and one of each kind of run: by blocks, by rows, by frames.
 const USUAL: [&str; 6] = ["horn-schunck", "clg", "tv-l1", "full-search", "lucas-kanade", "mixture-of-gaussians"];

@@ -1,9 +1,11 @@
 //! A kind of result that does not exist yet: one displacement for the whole picture.
 
-use motionscope_core::products::{Assessment, Column, Measure, Motion, Reference, Score};
+use motionscope_core::base::Error;
+use motionscope_core::data::Flow;
+use motionscope_core::geometry::Grid;
+use motionscope_core::products::table::{Cell, Table};
+use motionscope_core::products::{Assessment, Column, Measure, Motion, Output, Product, ProductKind, Reference, Score};
 use motionscope_core::scene::Fact;
-use motionscope_core::table::{Cell, Table};
-use motionscope_core::{Error, Flow, Grid, Output, Product, ProductKind};
 
 /// The displacement of the whole picture.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use motionscope_core::memory::Need;
-use motionscope_core::scene::{Picture, Question, Shape, Unit};
-use motionscope_core::{
-    AnyEstimator, BlockField, BlockGrid, BlockVector, Border, Clip, Error, Estimator, Footprint, Frame, Granularity,
-    Info, Interpolation, Move, Observer, Output, Product, ProductKind, Progress, Role, Scene, Seen, Step, cases,
-    params, pseudocode, synth, variables,
-};
+use motionscope_core::base::{Error, Observer};
+use motionscope_core::data::{Clip, Frame, Interpolation};
+use motionscope_core::geometry::Border;
+use motionscope_core::products::{BlockField, BlockGrid, BlockVector, Output, Product, ProductKind};
+use motionscope_core::run::{AnyEstimator, Estimator, Footprint, Granularity, Info, Move, Need, Progress, Seen};
+use motionscope_core::scene::{Picture, Question, Role, Scene, Shape, Step, Unit};
+use motionscope_core::{cases, params, pseudocode, synth, variables};
 
 params! {
     /// Block matching without a search.

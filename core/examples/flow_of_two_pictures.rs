@@ -7,8 +7,11 @@
 use std::fs::File;
 use std::io::BufReader;
 
+use motionscope_core::base::{Error, Threads};
+use motionscope_core::course::estimator;
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::geometry::Grid;
 use motionscope_core::products::Reference;
-use motionscope_core::{Clip, Error, Frame, Grid, Threads, estimator};
 
 fn main() -> Result<(), Error> {
     let names: Vec<String> = std::env::args().skip(1).collect();

@@ -11,8 +11,11 @@ use std::error::Error;
 use std::fs::File;
 use std::io::BufReader;
 
-use motionscope_core::products::{Product, repeatability};
-use motionscope_core::{Clip, Frame, Grid, PointField, Threads, estimators};
+use motionscope_core::base::Threads;
+use motionscope_core::course::estimators;
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::geometry::Grid;
+use motionscope_core::products::{PointField, Product, repeatability};
 
 fn picture(path: &str) -> Result<Frame, Box<dyn Error>> {
     let mut decoder = png::Decoder::new(BufReader::new(File::open(path)?));

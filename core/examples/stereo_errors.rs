@@ -7,7 +7,11 @@
 
 use std::path::Path;
 
-use motionscope_core::{Clip, Disparity, DisparityField, Error, Frame, Grid, Threads, estimator};
+use motionscope_core::base::{Error, Threads};
+use motionscope_core::course::estimator;
+use motionscope_core::data::{Clip, Disparity, Frame};
+use motionscope_core::geometry::Grid;
+use motionscope_core::products::DisparityField;
 
 /// Errors above so many px are wrong.
 const WRONG_PX: f32 = 3.0;

@@ -1,7 +1,10 @@
 //! A step as data: its line of pseudocode, its cases, and its values with symbol, unit and definition.
 
+use motionscope_core::base::Error;
+use motionscope_core::course::estimator;
+use motionscope_core::run::Move;
 use motionscope_core::scene::Value;
-use motionscope_core::{Error, Move, estimator, synth};
+use motionscope_core::synth;
 
 fn main() -> Result<(), Error> {
     let scene = synth::scene("pillar")?;

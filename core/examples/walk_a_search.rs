@@ -4,7 +4,10 @@
 //! cargo run -p motionscope-core --example walk_a_search [ESTIMATOR]
 //! ```
 
-use motionscope_core::{Cursor, Direction, Error, Move, estimator, synth};
+use motionscope_core::base::Error;
+use motionscope_core::course::estimator;
+use motionscope_core::run::{Cursor, Direction, Move};
+use motionscope_core::synth;
 
 fn main() -> Result<(), Error> {
     let id = std::env::args().nth(1).unwrap_or_else(|| "diamond".into());

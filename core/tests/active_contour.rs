@@ -3,10 +3,15 @@
 mod common;
 
 use common::set;
+use motionscope_core::base::Threads;
+use motionscope_core::course::estimator;
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::geometry::Grid;
+use motionscope_core::params::Params;
+use motionscope_core::products::{MaskField, RegionField};
+use motionscope_core::run::{AnyEstimator, Direction, Move, Walk};
 use motionscope_core::scene::{Readout, Role, Shape, Step};
-use motionscope_core::{
-    AnyEstimator, Clip, Direction, Frame, Grid, MaskField, Move, Params, RegionField, Threads, Walk, estimator, synth,
-};
+use motionscope_core::synth;
 
 type Point = [f64; 2];
 

@@ -7,12 +7,13 @@ mod rough;
 use std::collections::BTreeSet;
 
 use common::set;
-use motionscope_core::products::Reference;
+use motionscope_core::base::Threads;
+use motionscope_core::data::{Clip, Frame, Mask, PixelClass};
+use motionscope_core::geometry::{Bounds, Grid};
+use motionscope_core::products::{MaskField, ObjectField, Reference, TrackStatus};
+use motionscope_core::run::{AnyEstimator, Cursor, Move, Walk};
 use motionscope_core::scene::{Focus, Quantity, Readout, Series, Shape};
-use motionscope_core::{
-    AnyEstimator, Bounds, Clip, Cursor, Frame, Grid, Mask, MaskField, Move, ObjectField, PixelClass, Threads,
-    TrackStatus, Walk, synth,
-};
+use motionscope_core::synth;
 use rough::{Rough, scored};
 
 /// The frames that a model may learn in.

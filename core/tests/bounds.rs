@@ -5,8 +5,11 @@ mod common;
 use std::sync::Arc;
 
 use common::{Objects, waves};
+use motionscope_core::course::estimators;
+use motionscope_core::data::{Clip, Detection, Frame, ObjectBox};
+use motionscope_core::geometry::{Bounds, Grid};
 use motionscope_core::params::{Kind, Value};
-use motionscope_core::{AnyEstimator, Bounds, Clip, Detection, Frame, Grid, Move, ObjectBox, Walk, estimators};
+use motionscope_core::run::{AnyEstimator, Move, Walk};
 
 const SIZE: (usize, usize) = (64, 48);
 const FRAMES: usize = 4;

@@ -3,10 +3,14 @@
 mod common;
 
 use common::{set, tile};
+use motionscope_core::base::Threads;
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::geometry::Grid;
+use motionscope_core::params::Params;
+use motionscope_core::products::{MaskField, RegionField};
+use motionscope_core::run::{AnyEstimator, Direction, Move};
 use motionscope_core::scene::{Readout, Step};
-use motionscope_core::{
-    AnyEstimator, Clip, Direction, Frame, Grid, MaskField, Move, Params, RegionField, Threads, synth,
-};
+use motionscope_core::synth;
 
 type Point = [f64; 2];
 

@@ -6,12 +6,14 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use common::{Objects, waves};
-use motionscope_core::params::{Kind, Spec, Value};
-use motionscope_core::products::Reference;
-use motionscope_core::{
-    AnyEstimator, BlockField, Bounds, Clip, Detection, Frame, Grid, ObjectBox, Params, Threads, estimators,
-    synth::{Difficulty, SCENES},
-};
+use motionscope_core::base::Threads;
+use motionscope_core::course::estimators;
+use motionscope_core::data::{Clip, Detection, Frame, ObjectBox};
+use motionscope_core::geometry::{Bounds, Grid};
+use motionscope_core::params::{Kind, Params, Spec, Value};
+use motionscope_core::products::{BlockField, Reference};
+use motionscope_core::run::AnyEstimator;
+use motionscope_core::synth::{Difficulty, SCENES};
 
 /// The size of a frame in px.
 const SIZE: (usize, usize) = (48, 40);

@@ -3,11 +3,14 @@
 mod common;
 
 use common::set;
-use motionscope_core::products::{EpipolarField, Reference, keypoints::Descriptor};
+use motionscope_core::base::Threads;
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::geometry::Grid;
+use motionscope_core::products::keypoints::Descriptor;
+use motionscope_core::products::{EpipolarField, MatchField, MatchStatus, ModelField, Output, PointField, Reference};
+use motionscope_core::run::{Direction, Move};
 use motionscope_core::scene::{Math, Readout};
-use motionscope_core::{
-    Clip, Direction, Frame, Grid, MatchField, MatchStatus, ModelField, Move, Output, PointField, Threads, synth,
-};
+use motionscope_core::synth;
 use nalgebra::{Rotation3, Vector3};
 
 fn scene(id: &str) -> Clip {
@@ -87,13 +90,14 @@ fn sift_keypoints_are_those_of_opencv() {
 
 /// The share of the keypoints of `a`, moved by `map`, that have one of `b` within `off` px and a factor of 1.2 of their scale.
 fn repeated(a: &PointField, b: &PointField, map: impl Fn([f32; 2]) -> [f32; 2], off: f32) -> f32 {
-    let is_again = |(point, keypoint): (&motionscope_core::Feature, &motionscope_core::Keypoint)| {
-        let [x, y] = map(point.at);
-        b.points.iter().zip(&b.keypoints).any(|(other, of)| {
-            let factor = of.scale_px.unwrap_or(1.0) / keypoint.scale_px.unwrap_or(1.0);
-            (other.at[0] - x).hypot(other.at[1] - y) < off && (1.0 / 1.2..1.2).contains(&factor)
-        })
-    };
+    let is_again =
+        |(point, keypoint): (&motionscope_core::products::Feature, &motionscope_core::products::Keypoint)| {
+            let [x, y] = map(point.at);
+            b.points.iter().zip(&b.keypoints).any(|(other, of)| {
+                let factor = of.scale_px.unwrap_or(1.0) / keypoint.scale_px.unwrap_or(1.0);
+                (other.at[0] - x).hypot(other.at[1] - y) < off && (1.0 / 1.2..1.2).contains(&factor)
+            })
+        };
     let again = a.points.iter().zip(&a.keypoints).filter(|pair| is_again(*pair)).count();
     again as f32 / a.points.len() as f32
 }
@@ -128,7 +132,7 @@ fn matches_are_the_nearest_neighbours_that_pass_both_tests() {
     let side = |t| {
         let output = set("sift", &[("max-points", "120")]).run(&clip, t, &Threads::single()).expect("a run");
         let field = output.get::<PointField>().expect("keypoints").clone();
-        let entries = |keypoint: &motionscope_core::Keypoint| match &keypoint.descriptor {
+        let entries = |keypoint: &motionscope_core::products::Keypoint| match &keypoint.descriptor {
             Some(Descriptor::Reals(values)) => values.iter().map(|v| f64::from(*v)).collect::<Vec<f64>>(),
             _ => panic!("SIFT describes"),
         };
@@ -614,12 +618,12 @@ fn a_wrong_focal_length_is_told_with_the_ratio_of_the_singular_values() {
 }
 
 /// The steps that follow from the fundamental matrix: what is said, and the scene.
-fn sequels(clip: &Clip) -> [(String, motionscope_core::Scene); 2] {
+fn sequels(clip: &Clip) -> [(String, motionscope_core::scene::Scene); 2] {
     let mut walk = set("epipolar-geometry", &[]).walk(clip, 0).expect("a walk");
     walk.jump(Move::End);
     let rectified = (walk.step(None).sentence.plain(), walk.scene(None));
     let event = walk.info().granularities.len() - 1;
-    walk.jump(Move::Granularity(event, motionscope_core::Direction::Back));
+    walk.jump(Move::Granularity(event, motionscope_core::run::Direction::Back));
     [(walk.step(None).sentence.plain(), walk.scene(None)), rectified]
 }
 
@@ -655,7 +659,7 @@ fn keypoints_are_tracked_through_a_clip_by_matching() {
     // ORB finds whole pixels of its levels.
     for (detector, off_px) in [("sift", 0.3), ("surf", 0.5), ("orb", 0.9)] {
         let output = run("feature-tracker", &[("detector", detector), ("frames", "8")], &clip);
-        let field = output.get::<motionscope_core::TrackField>().expect("tracks");
+        let field = output.get::<motionscope_core::products::TrackField>().expect("tracks");
         assert_eq!((field.first, field.last), (0, 7), "{detector}");
         let mut off: Vec<f32> = Vec::new();
         for t in 0..7 {
@@ -710,7 +714,7 @@ fn the_turnover_of_a_pair_is_that_of_its_tracks() {
     let clip = scene("hand-held");
     let matching = set("feature-tracker", &[("frames", "4")]);
     let output = matching.run(&clip, 0, &Threads::single()).expect("a run");
-    let field = output.get::<motionscope_core::TrackField>().expect("tracks");
+    let field = output.get::<motionscope_core::products::TrackField>().expect("tracks");
     let mut walk = matching.walk(&clip, 0).expect("a walk");
     walk.jump(Move::End);
     let said = walk.step(None).sentence.plain();
@@ -748,10 +752,13 @@ fn a_rectified_pair_near_an_epipole_is_told_to_be_distorted() {
 }
 
 /// A flow that is true for one plane of the scene.
-struct Plane(std::sync::Arc<motionscope_core::Flow>);
+struct Plane(std::sync::Arc<motionscope_core::data::Flow>);
 
-impl motionscope_core::Truth for Plane {
-    fn flow(&self, _: usize) -> Result<Option<std::sync::Arc<motionscope_core::Flow>>, motionscope_core::Error> {
+impl motionscope_core::data::Truth for Plane {
+    fn flow(
+        &self,
+        _: usize,
+    ) -> Result<Option<std::sync::Arc<motionscope_core::data::Flow>>, motionscope_core::base::Error> {
         Ok(Some(self.0.clone()))
     }
 
@@ -771,6 +778,7 @@ fn the_truth_of_a_plane_says_nothing_of_points_off_it() {
     assert!(!told(&clip).contains("holds for one plane"));
     // As if nothing moved: most matches disagree with it.
     let still = Grid::new(320, 240, [0.0; 2]);
-    let off = told(&clip.with_truth(std::sync::Arc::new(Plane(std::sync::Arc::new(motionscope_core::Flow(still))))));
+    let off =
+        told(&clip.with_truth(std::sync::Arc::new(Plane(std::sync::Arc::new(motionscope_core::data::Flow(still))))));
     assert!(off.contains("a homography, which holds for one plane"), "{off}");
 }

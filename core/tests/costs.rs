@@ -1,7 +1,12 @@
 //! What the costs make of changes of light, and what is told about them.
 
+use motionscope_core::base::Threads;
+use motionscope_core::course::{estimator, estimators};
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::geometry::{Gray, Grid};
+use motionscope_core::products::BlockField;
+use motionscope_core::run::{Cursor, Move};
 use motionscope_core::scene::Readout;
-use motionscope_core::{BlockField, Clip, Cursor, Frame, Gray, Grid, Move, Threads, estimator, estimators};
 
 const COSTS: [&str; 6] = ["sad", "ssd", "mse", "zsad", "satd", "ncc"];
 

@@ -5,11 +5,14 @@ mod common;
 use std::sync::Arc;
 
 use common::{Objects, set, waves};
+use motionscope_core::base::{Error, Stop, Threads};
+use motionscope_core::course::estimators;
+use motionscope_core::data::{Clip, ClipInfo, Frame, FrameSource, Mask, ObjectBox};
+use motionscope_core::geometry::{Bounds, Grid};
+use motionscope_core::products::ObjectField;
+use motionscope_core::run::{AnyEstimator, Cursor, Guarantee, Move};
 use motionscope_core::scene::{Focus, Shape};
-use motionscope_core::{
-    AnyEstimator, Bounds, Clip, ClipInfo, Cursor, Error, Frame, FrameSource, Grid, Guarantee, Mask, Move, ObjectBox,
-    ObjectField, Stop, Threads, estimators, synth,
-};
+use motionscope_core::synth;
 
 /// A number that tells a place and a frame from all others.
 fn hash(x: usize, y: usize, t: usize) -> u64 {
@@ -783,7 +786,8 @@ fn masks_end_where_the_picture_does_at_any_width() {
                     let output = estimator.run(&clip, 0, &Threads::new(threads).expect("threads")).expect("a run");
                     for frame in &output.get::<ObjectField>().expect("objects").frames {
                         let mask = frame.mask.as_ref().expect("a mask");
-                        let inside = |found: &motionscope_core::Detection| found.bounds.max[0] <= width as f32 - 0.5;
+                        let inside =
+                            |found: &motionscope_core::data::Detection| found.bounds.max[0] <= width as f32 - 0.5;
                         assert!(mask.count() <= 9 * width && frame.detections.iter().all(inside), "{width}");
                     }
                 }

@@ -3,9 +3,11 @@
 mod common;
 
 use common::clip_of;
-use motionscope_core::examples::{self, Cause, Example, Settings};
+use motionscope_core::base::Threads;
+use motionscope_core::course::examples::{self, Cause, Example, Settings};
+use motionscope_core::course::{detection, estimator, estimators};
 use motionscope_core::products::Reference;
-use motionscope_core::{AnyEstimator, Threads, detection, estimator, estimators};
+use motionscope_core::run::AnyEstimator;
 
 /// The value of the measure `key` of a run of the estimator `id`.
 fn measured(id: &str, settings: Settings, example: &Example, key: &str) -> f64 {

@@ -3,8 +3,11 @@
 mod common;
 
 use common::{SIZE, error, flow, linear_motion, set};
-use motionscope_core::scene::Focus;
-use motionscope_core::{Clip, Cursor, DenseField, Grid, Move, scene};
+use motionscope_core::data::Clip;
+use motionscope_core::geometry::Grid;
+use motionscope_core::products::DenseField;
+use motionscope_core::run::{Cursor, Move};
+use motionscope_core::scene::{self, Focus};
 
 /// The polynomial c + b_x x + b_y y + a_xx x² + a_yy y² + 2 a_xy x y that fits a picture best around a pixel, as plainly as can
 /// be: the normal equations of the pixels in the picture, by elimination. Its b, and its A as (a_xx, a_xy, a_yy).

@@ -3,10 +3,12 @@
 mod common;
 
 use common::{set, waves};
-use motionscope_core::scene::Focus;
-use motionscope_core::{
-    Border, Clip, Cursor, DenseField, Direction, Feature, Frame, Gray, Grid, Move, PointField, Status, Threads, scene,
-};
+use motionscope_core::base::Threads;
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::geometry::{Border, Gray, Grid};
+use motionscope_core::products::{DenseField, Feature, PointField, Status};
+use motionscope_core::run::{Cursor, Direction, Move};
+use motionscope_core::scene::{self, Focus};
 
 fn clip(frames: [Gray; 2]) -> Clip {
     Clip::from_frames("made", frames.into_iter().map(Frame::gray).collect()).expect("frames of one size")

@@ -1,7 +1,13 @@
 //! Full search against a plain reference, and against what the issue of ties and borders demands.
 
+use motionscope_core::base::Threads;
+use motionscope_core::course::estimator;
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::geometry::{Gray, Grid};
+use motionscope_core::products::BlockField;
+use motionscope_core::run::{Cursor, Direction, Move, Walk};
 use motionscope_core::scene::Readout;
-use motionscope_core::{BlockField, Clip, Cursor, Direction, Frame, Gray, Grid, Move, Threads, Walk, estimator, synth};
+use motionscope_core::synth;
 use proptest::prelude::*;
 
 /// What a search is asked for.

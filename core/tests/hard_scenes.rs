@@ -3,9 +3,11 @@
 mod common;
 
 use common::set;
+use motionscope_core::base::Threads;
+use motionscope_core::data::Clip;
+use motionscope_core::products::RegionField;
 use motionscope_core::products::region::RegionScores;
-use motionscope_core::synth::Difficulty;
-use motionscope_core::{Clip, RegionField, Threads, synth};
+use motionscope_core::synth::{self, Difficulty};
 
 /// The scores of a tracker over a clip.
 fn scores(id: &str, settings: &[(&str, &str)], clip: &Clip) -> RegionScores {

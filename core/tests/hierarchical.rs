@@ -5,10 +5,14 @@ mod common;
 use std::collections::BTreeSet;
 
 use common::{halved, numbers, set};
+use motionscope_core::base::Threads;
+use motionscope_core::course::estimator;
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::geometry::{Border, Gray, Grid};
+use motionscope_core::products::{BlockField, BlockGrid};
+use motionscope_core::run::{Cursor, Direction, Move};
 use motionscope_core::scene::{Focus, Readout};
-use motionscope_core::{
-    BlockField, BlockGrid, Border, Clip, Cursor, Direction, Frame, Gray, Grid, Move, Threads, estimator, synth,
-};
+use motionscope_core::synth;
 use proptest::prelude::*;
 
 type Vector = (i64, i64);
@@ -230,7 +234,8 @@ fn levels_are_granularities_and_say_where_they_are() {
     assert!(told.contains(" On level 0 this motion vector is ("), "{told}");
     // A block of 16 px on level 2 is drawn over 64 px of the picture, and a click there leads to it.
     let scene = walk.scene(None);
-    let reference = scene.marks.iter().find(|mark| mark.role == motionscope_core::Role::Reference).expect("the block");
+    let reference =
+        scene.marks.iter().find(|mark| mark.role == motionscope_core::scene::Role::Reference).expect("the block");
     let corners = reference.shape.coordinates();
     assert_eq!((corners[0], corners[2] - corners[0]), (4.0 * (64.0 - 0.5), 64.0));
     assert_eq!(walk.unit_at(Focus::current([300.0, 230.0])), Some(19));

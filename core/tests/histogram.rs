@@ -1,7 +1,11 @@
 //! The histogram of displacements against the field that a run leaves.
 
+use motionscope_core::course::estimator;
+use motionscope_core::data::{Clip, Frame, Histogram};
+use motionscope_core::geometry::Grid;
+use motionscope_core::products::{BlockField, Coding};
+use motionscope_core::run::{Cursor, Direction, Move, Walk};
 use motionscope_core::scene::Readout;
-use motionscope_core::{BlockField, Clip, Coding, Cursor, Direction, Frame, Grid, Histogram, Move, Walk, estimator};
 
 fn clip() -> Clip {
     let texture = |x: usize, y: usize| ((x * x * 3 + y * 37 + x * y * 5) % 251) as u8;

@@ -3,8 +3,12 @@
 mod common;
 
 use common::{central, equation, explained_at, fact, flow, linear_motion, numbers, plane, plotted, point, set};
-use motionscope_core::scene::{Focus, Quantity};
-use motionscope_core::{Clip, Cursor, DenseField, Direction, Flow, Frame, Move, Step, Threads, synth};
+use motionscope_core::base::Threads;
+use motionscope_core::data::{Clip, Flow, Frame};
+use motionscope_core::products::DenseField;
+use motionscope_core::run::{Cursor, Direction, Move};
+use motionscope_core::scene::{Focus, Quantity, Step};
+use motionscope_core::synth;
 
 /// Horn and Schunck's method as plainly as can be: one level, central differences, Jacobi iterations, all in f64.
 fn plain_horn_schunck(clip: &Clip, alpha: f64, iterations: usize) -> Vec<[f64; 2]> {

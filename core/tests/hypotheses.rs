@@ -9,11 +9,15 @@ use std::time::{Duration, Instant};
 
 use common::{Objects, numbers};
 use crossing::{Dice, HEIGHT, OF_CROSSING, PICTURE, SEEDS, crossing, crossings, found, rows, run, scored};
-use motionscope_core::objects::assignment::WorkBudget;
-use motionscope_core::objects::k_best::{Choice, Problem, Row, k_best};
+use motionscope_core::base::Error;
+use motionscope_core::data::{Clip, ObjectBox};
+use motionscope_core::geometry::Bounds;
+use motionscope_core::products::ObjectField;
+use motionscope_core::products::objects::assignment::WorkBudget;
+use motionscope_core::products::objects::k_best::{Choice, Problem, Row, k_best};
+use motionscope_core::run::{AnyEstimator, Cursor, Direction, Move};
 use motionscope_core::scene::{Math, Readout};
-use motionscope_core::synth::Difficulty;
-use motionscope_core::{AnyEstimator, Bounds, Clip, Cursor, Direction, Error, Move, ObjectBox, ObjectField, synth};
+use motionscope_core::synth::{self, Difficulty};
 
 /// A tracker with the noise of the detections here, and with further parameters.
 fn set(id: &str, settings: &[(&str, &str)]) -> Box<dyn AnyEstimator> {
@@ -75,7 +79,7 @@ fn the_k_best_assignments_are_those_of_full_enumeration() {
             let known = enumerated(&problems[solution.problem]);
             let same = known.iter().find(|(choices, _)| *choices == solution.choices).expect("one that is allowed");
             assert!((same.1 - solution.cost).abs() < 1e-9, "case {case}");
-            let is_other = |other: &motionscope_core::objects::k_best::Solution| {
+            let is_other = |other: &motionscope_core::products::objects::k_best::Solution| {
                 (other.problem, &other.choices) != (solution.problem, &solution.choices)
             };
             assert!(found.solutions[..i].iter().all(is_other), "case {case}: one twice");
@@ -757,7 +761,7 @@ fn soft_association_draws_tracks_side_by_side_together() {
         let settings = [("source", "detections"), ("measurement-noise", "0.15")];
         let distances = (1..=10).flat_map(|seed| {
             let field = run(&*set(id, &settings), &side_by_side(seed));
-            let of = |frame: &motionscope_core::ObjectFrame| {
+            let of = |frame: &motionscope_core::products::ObjectFrame| {
                 let [a, b] = [1, 2].map(|id| frame.object(id).map(|object| object.position[1]));
                 Some((a? - b?).abs())
             };

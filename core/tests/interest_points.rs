@@ -3,11 +3,12 @@
 mod common;
 
 use common::set;
-use motionscope_core::{
-    AnyEstimator, Clip, Cursor, Descriptor, Direction, Frame, Gray, Grid, Keypoint, Move, PointField, Role, Threads,
-    products::repeatability,
-    scene::{Focus, Readout, Shape, Tile},
-};
+use motionscope_core::base::Threads;
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::geometry::{Gray, Grid};
+use motionscope_core::products::{Descriptor, Keypoint, PointField, repeatability};
+use motionscope_core::run::{AnyEstimator, Cursor, Direction, Move};
+use motionscope_core::scene::{Focus, Readout, Role, Shape, Tile};
 
 /// A texture of small blocks, each of one gray level, smoothed over 2×2 px.
 fn blocks(width: usize, height: usize) -> Gray {

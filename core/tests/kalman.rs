@@ -1,6 +1,6 @@
 //! The Kalman filter against recorded results of others, and against its own promises.
 
-use motionscope_core::kalman::{
+use motionscope_core::methods::kalman::{
     Acceleration, Estimate, Filter, Innovation, Measurement, Model, Motion, Nonlinear, Sensor, Turn, Velocity,
     chi_square,
 };

@@ -3,12 +3,15 @@
 mod common;
 
 use common::set;
-use motionscope_core::kalman::chi_square;
-use motionscope_core::objects::score::scores;
-use motionscope_core::scene::{Matrix, Readout, Series, Shape};
-use motionscope_core::{
-    AnyEstimator, Bounds, Clip, Detection, Frame, Grid, Move, ObjectField, Role, Threads, TrackStatus, Walk, synth,
-};
+use motionscope_core::base::Threads;
+use motionscope_core::data::{Clip, Detection, Frame};
+use motionscope_core::geometry::{Bounds, Grid};
+use motionscope_core::methods::kalman::chi_square;
+use motionscope_core::products::objects::score::scores;
+use motionscope_core::products::{ObjectField, TrackStatus};
+use motionscope_core::run::{AnyEstimator, Move, Walk};
+use motionscope_core::scene::{Matrix, Readout, Role, Series, Shape};
+use motionscope_core::synth;
 
 fn run(estimator: &dyn AnyEstimator, clip: &Clip) -> ObjectField {
     let output = estimator.run(clip, 0, &Threads::single()).expect("a run");
@@ -43,7 +46,7 @@ fn steps(estimator: &dyn AnyEstimator, clip: &Clip, mut look: impl FnMut(&dyn Wa
     let mut walk = estimator.walk(clip, 0).expect("a run");
     let step = walk.info().granularities.len() - 1;
     while !walk.at_end() {
-        walk.jump(Move::Granularity(step, motionscope_core::Direction::Forward));
+        walk.jump(Move::Granularity(step, motionscope_core::run::Direction::Forward));
         look(&*walk);
     }
 }
@@ -575,7 +578,7 @@ fn thrown(frames: usize) -> (Clip, Vec<[f64; 2]>) {
 
 /// The largest error of the estimates in px; infinite where there is none.
 fn largest_error(field: &ObjectField, truth: &[[f64; 2]]) -> f64 {
-    let error = |(frame, at): (&std::sync::Arc<motionscope_core::ObjectFrame>, &[f64; 2])| {
+    let error = |(frame, at): (&std::sync::Arc<motionscope_core::products::ObjectFrame>, &[f64; 2])| {
         frame.objects.first().map_or(f64::INFINITY, |object| distance(object.position, *at))
     };
     field.frames.iter().zip(truth).map(error).fold(0.0, f64::max)
@@ -643,7 +646,7 @@ fn a_walk_restarts_as_a_run_does_and_goes_back() {
     let whole = walk.output().get::<ObjectField>().expect("objects").clone();
     assert!(largest_error(&whole, &ball) < 5.0);
     // Before the divergence shows, the track is that of the chosen model.
-    walk.jump(Move::To(motionscope_core::Cursor { unit: 4, event: 0 }));
+    walk.jump(Move::To(motionscope_core::run::Cursor { unit: 4, event: 0 }));
     let early = walk.output().get::<ObjectField>().expect("objects").clone();
     assert!(early.frames.len() <= 5, "{} frames", early.frames.len());
     walk.jump(Move::End);

@@ -6,12 +6,14 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use common::set;
-use motionscope_core::objects::score::{scores, scores_on};
-use motionscope_core::scene::{Focus, Matrix, Readout, Scene, Shape};
-use motionscope_core::{
-    AnyEstimator, Bounds, Clip, Cursor, Detection, Direction, Error, Flow, Move, ObjectBox, ObjectField, Role, Stop,
-    Threads, TrackStatus, Truth, Walk, synth,
-};
+use motionscope_core::base::{Error, Stop, Threads};
+use motionscope_core::data::{Clip, Detection, Flow, ObjectBox, Truth};
+use motionscope_core::geometry::Bounds;
+use motionscope_core::products::objects::score::{scores, scores_on};
+use motionscope_core::products::{ObjectField, TrackStatus};
+use motionscope_core::run::{AnyEstimator, Cursor, Direction, Move, Walk};
+use motionscope_core::scene::{Focus, Matrix, Readout, Role, Scene, Shape};
+use motionscope_core::synth;
 
 fn run(settings: &[(&str, &str)], clip: &Clip) -> ObjectField {
     let output = set("kalman-tracker", settings).run(clip, 0, &Threads::single()).expect("a run");

@@ -2,10 +2,13 @@
 
 use std::sync::Arc;
 
-use motionscope_core::{
-    AnyEstimator, Clip, ClipInfo, Cursor, Direction, Error, Frame, FrameSource, Grid, Move, Role, Status, Stop,
-    Threads, TrackField, estimator, scene,
-};
+use motionscope_core::base::{Error, Stop, Threads};
+use motionscope_core::course::estimator;
+use motionscope_core::data::{Clip, ClipInfo, Frame, FrameSource};
+use motionscope_core::geometry::Grid;
+use motionscope_core::products::{Status, TrackField};
+use motionscope_core::run::{AnyEstimator, Cursor, Direction, Move};
+use motionscope_core::scene::{self, Role};
 
 const SIZE: (usize, usize) = (120, 90);
 

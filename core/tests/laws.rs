@@ -5,15 +5,19 @@ mod common;
 use std::sync::Arc;
 
 use common::{Objects, waves};
-use motionscope_core::params::{Kind, Spot, Value};
-use motionscope_core::products::{KINDS, Motion, Reference, Score};
-use motionscope_core::scene::Focus;
-use motionscope_core::stage::value_of;
-use motionscope_core::{
-    AnyEstimator, BlockField, Bounds, Clip, Cursor, DenseField, Detection, Direction, Explained, Followed, Frame, Grid,
-    Guarantee, Move, ObjectBox, ObjectField, Output, Params, PointField, ProductKind, RegionField, Scene, Step, Stop,
-    Threads, TrackStatus, Walk, effort, estimators, synth,
+use motionscope_core::base::{Stop, Threads, effort};
+use motionscope_core::course::estimators;
+use motionscope_core::data::{Clip, Detection, Frame, ObjectBox};
+use motionscope_core::geometry::{Bounds, Grid};
+use motionscope_core::params::{Kind, Params, Spot, Value};
+use motionscope_core::products::{
+    BlockField, DenseField, Followed, KINDS, Motion, ObjectField, Output, PointField, ProductKind, Reference,
+    RegionField, Score, TrackStatus,
 };
+use motionscope_core::run::stage::value_of;
+use motionscope_core::run::{AnyEstimator, Cursor, Direction, Explained, Guarantee, Move, Walk};
+use motionscope_core::scene::{Focus, Scene, Step};
+use motionscope_core::synth;
 use proptest::prelude::*;
 
 /// A texture without repetition: every place can be told from every other.
@@ -737,7 +741,7 @@ fn a_pixel_is_not_explained_before_its_turn() {
 
 #[test]
 fn declarations_are_complete() {
-    let family_of = |info: &motionscope_core::Info| info.family.to_lowercase().replace(' ', "_");
+    let family_of = |info: &motionscope_core::run::Info| info.family.to_lowercase().replace(' ', "_");
     let mut files = Vec::new();
     for estimator in estimators() {
         let info = estimator.info();

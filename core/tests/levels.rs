@@ -5,10 +5,11 @@ mod common;
 use std::sync::Arc;
 
 use common::halved;
-use motionscope_core::scene::{Picture, Readout, Shape};
-use motionscope_core::{
-    Clip, Cursor, Direction, Floor, Frame, Gray, Grid, Levels, Move, Role, Scene, Stack, Walk, estimator,
-};
+use motionscope_core::course::estimator;
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::geometry::{Gray, Grid};
+use motionscope_core::run::{Cursor, Direction, Move, Walk};
+use motionscope_core::scene::{Floor, Levels, Picture, Readout, Role, Scene, Shape, Stack};
 
 fn texture(x: usize, y: usize) -> u8 {
     ((x * x * 3 + y * 37 + x * y * 5) % 251) as u8

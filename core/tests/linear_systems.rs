@@ -1,12 +1,10 @@
 //! The matrices shown of the normalised DLT and of the eight-point algorithm: put together, they are the models that are estimated.
 
-use motionscope_core::Grid;
-use motionscope_core::geometric::{
-    Correspondence,
-    epipolar::{eight_point, seven_point},
-    fit::{fit, inverse, product},
-    system::System,
-};
+use motionscope_core::geometry::Grid;
+use motionscope_core::methods::geometric::Correspondence;
+use motionscope_core::methods::geometric::epipolar::{eight_point, seven_point};
+use motionscope_core::methods::geometric::fit::{fit, inverse, product};
+use motionscope_core::methods::geometric::system::System;
 use motionscope_core::products::model::{Matrix3, Model};
 use nalgebra::Matrix3 as Square;
 

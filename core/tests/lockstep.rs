@@ -1,11 +1,13 @@
 //! Laws of lockstep: what stands side by side is what each estimator shows alone, and nobody gets more than the others.
 
-use motionscope_core::scene::Focus;
-use motionscope_core::scene::Readout;
-use motionscope_core::{
-    AnyEstimator, Beside, BlockField, CandidateCount, Clip, Cursor, Direction, Frame, Grid, Move, Pace, Scene, Step,
-    Threads, Walk, estimator, estimators, lockstep, synth,
-};
+use motionscope_core::base::Threads;
+use motionscope_core::course::{estimator, estimators};
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::geometry::Grid;
+use motionscope_core::products::BlockField;
+use motionscope_core::run::{AnyEstimator, Beside, CandidateCount, Cursor, Direction, Move, Pace, Walk, lockstep};
+use motionscope_core::scene::{Focus, Readout, Scene, Step};
+use motionscope_core::synth;
 
 const TEAMS: [&[&str]; 4] = [
     &["full-search", "three-step", "diamond", "predictive"],
@@ -228,7 +230,7 @@ fn the_end_is_what_each_finds_in_a_run() {
 
 #[test]
 fn what_a_run_spends_is_what_its_events_show() {
-    let mut all = motionscope_core::estimators();
+    let mut all = motionscope_core::course::estimators();
     all.retain(|estimator| estimator.info().family == "Block matching");
     for (estimator, subpixel) in all.iter().flat_map(|one| ["none", "quarter", "parabola"].map(|fine| (one, fine))) {
         let mut estimator = small(estimator.info().id);
@@ -295,7 +297,7 @@ fn moving() -> Clip {
     let scene = synth::scene("traffic").expect("bundled");
     let mut difficulty = scene.difficulty();
     for (name, value) in [("width", "96"), ("height", "64"), ("frames", "4")] {
-        motionscope_core::Params::set(&mut difficulty, name, value).expect("in range");
+        motionscope_core::params::Params::set(&mut difficulty, name, value).expect("in range");
     }
     synth::make("traffic", &difficulty).expect("a clip")
 }

@@ -3,8 +3,12 @@
 mod common;
 
 use common::{SIZE, explained_at, fact, linear_motion, numbers, set, tile};
-use motionscope_core::scene::Focus;
-use motionscope_core::{Clip, Cursor, DenseField, Direction, Frame, Grid, Move, Role, Threads, Walk, scene};
+use motionscope_core::base::Threads;
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::geometry::Grid;
+use motionscope_core::products::DenseField;
+use motionscope_core::run::{Cursor, Direction, Move, Walk};
+use motionscope_core::scene::{self, Focus, Role};
 
 /// Lucas and Kanade's method at one pixel, as plainly as can be: central differences, all pixels of the window alike, in f64.
 /// The displacement, the smaller eigenvalue, and the root mean square by which the constraints are off.

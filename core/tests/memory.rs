@@ -7,11 +7,12 @@ use std::sync::atomic::{AtomicIsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use common::set;
+use motionscope_core::base::{Error, Stop, Threads};
+use motionscope_core::course::estimators;
+use motionscope_core::data::{Clip, ClipInfo, Detection, Frame, FrameSource};
+use motionscope_core::geometry::{Bounds, Grid};
+use motionscope_core::run::{AnyEstimator, Direction, Move};
 use motionscope_core::scene::Focus;
-use motionscope_core::{
-    AnyEstimator, Bounds, Clip, ClipInfo, Detection, Direction, Error, Frame, FrameSource, Grid, Move, Stop, Threads,
-    estimators,
-};
 
 /// Counts what is allocated now, and the most that was at once.
 struct Counting;

@@ -1,12 +1,10 @@
 //! The fits of geometric models against the textbook: the singular value decomposition of all equations (Hartley and Zisserman 2004,
 //! algorithms 4.2 and 11.1, section 11.1.2).
 
-use motionscope_core::Model;
-use motionscope_core::geometric::{
-    Correspondence,
-    epipolar::{eight_point, seven_point},
-    fit::fit,
-};
+use motionscope_core::methods::geometric::Correspondence;
+use motionscope_core::methods::geometric::epipolar::{eight_point, seven_point};
+use motionscope_core::methods::geometric::fit::fit;
+use motionscope_core::products::Model;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// Pseudorandom numbers from −1 to 1.

@@ -5,12 +5,16 @@ mod common;
 use std::sync::Arc;
 
 use common::{fact, set};
+use motionscope_core::base::{Error, Threads};
+use motionscope_core::course::{estimator, estimators};
+use motionscope_core::data::{Clip, Flow, Frame, Truth};
+use motionscope_core::geometry::Grid;
+use motionscope_core::params::Params;
+use motionscope_core::products::SegmentField;
 use motionscope_core::products::segments::{Overlap, adjusted_rand_index, mean_overlap};
-use motionscope_core::scene::Readout;
-use motionscope_core::{
-    Clip, Cursor, Direction, Error, Flow, Frame, Grid, Guarantee, Move, Params, SegmentField, Step, Threads, Truth,
-    estimator, estimators, synth,
-};
+use motionscope_core::run::{Cursor, Direction, Guarantee, Move};
+use motionscope_core::scene::{Readout, Step};
+use motionscope_core::synth;
 
 fn clip(scene: &str, settings: &[(&str, &str)]) -> Clip {
     let scene = synth::scene(scene).expect("a bundled scene");
@@ -206,7 +210,7 @@ fn layers_have_the_affine_motions_of_a_plain_reference() {
     }
     // Each pixel has the layer of the smallest residual.
     for (x, y) in (0..100).flat_map(|y| (0..120).map(move |x| (x, y))) {
-        let residual = |segment: &motionscope_core::Segment| {
+        let residual = |segment: &motionscope_core::products::Segment| {
             let [u, v] = moved(segment.affine.expect("an affine motion"), (x, y));
             (u - f64::from(flow[(x, y)][0])).hypot(v - f64::from(flow[(x, y)][1]))
         };

@@ -3,11 +3,16 @@
 mod common;
 
 use common::set;
+use motionscope_core::base::Threads;
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::geometry::Grid;
+use motionscope_core::params::Params;
 use motionscope_core::products::model::{Matrix3, mapped};
 use motionscope_core::products::path::{PathErrors, chained, jitter, track, true_motions};
-use motionscope_core::products::{Reference, Views};
+use motionscope_core::products::{MaskField, Output, PathField, Reference, Views};
+use motionscope_core::run::{Cursor, Move};
 use motionscope_core::scene::{Answer, Shown};
-use motionscope_core::{Clip, Cursor, Frame, Grid, MaskField, Move, Output, Params, PathField, Threads, synth};
+use motionscope_core::synth;
 
 fn clip(scene: &str, settings: &[(&str, &str)]) -> Clip {
     let scene = synth::scene(scene).expect("a bundled scene");
@@ -102,7 +107,7 @@ fn stabilised_frames_fit_each_other_better_than_the_frames() {
     let pictures = field.pictures().expect("all frames can be read");
     assert_eq!(pictures.len(), 12);
     // The frames themselves differ by the pan and the shake, the stabilised ones by the steady pan: without it they are equal.
-    let off = |a: &motionscope_core::Gray, b: &motionscope_core::Gray, by: [i32; 2]| {
+    let off = |a: &motionscope_core::geometry::Gray, b: &motionscope_core::geometry::Gray, by: [i32; 2]| {
         let inner = (40..200).flat_map(|y| (40..260).map(move |x| (x, y)));
         let diffs = inner.map(|(x, y)| {
             let other = b[((x + by[0]) as usize, (y + by[1]) as usize)];
@@ -110,7 +115,7 @@ fn stabilised_frames_fit_each_other_better_than_the_frames() {
         });
         diffs.sum::<f64>() / (160.0 * 220.0)
     };
-    let least = |a: &motionscope_core::Gray, b: &motionscope_core::Gray| {
+    let least = |a: &motionscope_core::geometry::Gray, b: &motionscope_core::geometry::Gray| {
         let shifts = (-8..=0).flat_map(|u| (-3..=3).map(move |v| [u, v]));
         shifts.map(|by| off(a, b, by)).fold(f64::INFINITY, f64::min)
     };

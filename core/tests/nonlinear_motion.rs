@@ -5,12 +5,16 @@ mod common;
 use std::f64::consts::TAU;
 
 use common::set;
-use motionscope_core::kalman::{
+use motionscope_core::base::Threads;
+use motionscope_core::data::{Clip, Detection};
+use motionscope_core::geometry::Bounds;
+use motionscope_core::methods::kalman::{
     Acceleration, Estimate, Filter, Interacting, Measurement, Model, Motion, Nonlinear, Sensor, Turn, Velocity,
     smoothed,
 };
-use motionscope_core::scene::{Matrix, Readout, Series};
-use motionscope_core::{Bounds, Clip, Detection, Direction, Move, ObjectField, Role, Threads, Walk};
+use motionscope_core::products::ObjectField;
+use motionscope_core::run::{Direction, Move, Walk};
+use motionscope_core::scene::{Matrix, Readout, Role, Series};
 use nalgebra::{SMatrix, SVector, Vector2};
 
 type Rows = Vec<Vec<f64>>;

@@ -3,8 +3,10 @@
 mod common;
 
 use common::{SIZE, error, explained_at, fact, flow, linear_motion, moving, set, waves};
+use motionscope_core::data::{Clip, Flow, Frame};
+use motionscope_core::geometry::Grid;
+use motionscope_core::run::{Cursor, Move};
 use motionscope_core::scene::{Focus, Readout};
-use motionscope_core::{Clip, Cursor, Flow, Frame, Grid, Move};
 
 /// A shift, a turn by 1.2°, a growth by 2 %, and a shear.
 fn motions() -> [(&'static str, Clip, Flow); 4] {
@@ -89,8 +91,8 @@ fn the_memory_of_a_run_counts_its_pictures() {
 #[test]
 fn windows_larger_than_the_picture_and_half_known_truth_show_no_nan() {
     struct HalfKnown;
-    impl motionscope_core::Truth for HalfKnown {
-        fn flow(&self, _: usize) -> Result<Option<std::sync::Arc<Flow>>, motionscope_core::Error> {
+    impl motionscope_core::data::Truth for HalfKnown {
+        fn flow(&self, _: usize) -> Result<Option<std::sync::Arc<Flow>>, motionscope_core::base::Error> {
             let flow = Grid::from_fn(19, 17, |x, _| if x < 9 { [0.5, 0.0] } else { Flow::UNKNOWN });
             Ok(Some(std::sync::Arc::new(Flow(flow))))
         }

@@ -2,8 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use motionscope_core::base::Threads;
+use motionscope_core::course::estimator;
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::geometry::{Gray, Grid};
+use motionscope_core::products::BlockField;
+use motionscope_core::run::{Cursor, Move};
 use motionscope_core::scene::Readout;
-use motionscope_core::{BlockField, Clip, Cursor, Frame, Gray, Grid, Move, Threads, estimator};
 use proptest::prelude::*;
 
 type Vector = (i64, i64);

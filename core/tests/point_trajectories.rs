@@ -3,9 +3,13 @@
 mod common;
 
 use common::{set, waves};
-use motionscope_core::scene::Focus;
-use motionscope_core::scene::Readout;
-use motionscope_core::{Clip, Frame, Grid, Move, Status, Threads, Track, TrackField, synth};
+use motionscope_core::base::Threads;
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::geometry::Grid;
+use motionscope_core::products::{Status, Track, TrackField};
+use motionscope_core::run::Move;
+use motionscope_core::scene::{Focus, Readout};
+use motionscope_core::synth;
 
 fn run(settings: &[(&str, &str)], clip: &Clip) -> TrackField {
     let output = set("point-trajectories", settings).run(clip, 0, &Threads::single()).expect("a run");

@@ -1,6 +1,10 @@
 //! How good the fast searches are, measured against full search and against exact truth on synthetic scenes.
 
-use motionscope_core::{BlockField, Clip, Threads, estimator, metrics, predict, synth};
+use motionscope_core::base::Threads;
+use motionscope_core::course::estimator;
+use motionscope_core::data::Clip;
+use motionscope_core::products::{BlockField, metrics, predict};
+use motionscope_core::synth;
 
 /// PSNR in dB of the prediction of frame `t` that `id` makes with `settings`, and its candidates.
 fn quality((id, settings): (&str, &[(&str, &str)]), clip: &Clip, t: usize) -> (f64, u64) {

@@ -5,12 +5,15 @@ mod common;
 use std::collections::{BTreeMap, BTreeSet};
 
 use common::{clip_of, set};
-use motionscope_core::examples::{self, Example};
-use motionscope_core::scene::{Answer, Picture, Question, Scene, Shown, asked};
-use motionscope_core::{
-    AnyEstimator, BlockField, Clip, Cursor, Direction, Move, Params as _, RegionField, Step, Threads, Walk, estimators,
-    synth,
-};
+use motionscope_core::base::Threads;
+use motionscope_core::course::estimators;
+use motionscope_core::course::examples::{self, Example};
+use motionscope_core::data::Clip;
+use motionscope_core::params::Params as _;
+use motionscope_core::products::{BlockField, RegionField};
+use motionscope_core::run::{AnyEstimator, Cursor, Direction, Move, Walk};
+use motionscope_core::scene::{Answer, Picture, Question, Scene, Shown, Step, asked};
+use motionscope_core::synth;
 use rayon::prelude::*;
 
 /// A bundled scene, of the first `frames` frames where it has such a slider.

@@ -5,11 +5,14 @@ mod common;
 use std::sync::Arc;
 
 use common::{fact, set};
+use motionscope_core::base::{Error, Threads};
+use motionscope_core::data::{Clip, Flow, Frame, ObjectBox, Pose, Truth};
+use motionscope_core::geometry::Grid;
+use motionscope_core::params::Params;
+use motionscope_core::products::RegionField;
+use motionscope_core::run::{AnyEstimator, Direction, Move};
 use motionscope_core::scene::{Readout, Step};
-use motionscope_core::{
-    AnyEstimator, Clip, Direction, Error, Flow, Frame, Grid, Move, ObjectBox, Params, Pose, RegionField, Threads,
-    Truth, synth,
-};
+use motionscope_core::synth;
 
 fn run(settings: &[(&str, &str)], clip: &Clip) -> RegionField {
     let output = set("rapid", settings).run(clip, 0, &Threads::single()).expect("a run");

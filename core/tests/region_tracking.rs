@@ -6,12 +6,15 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use common::{Objects, set, tile};
+use motionscope_core::base::Threads;
+use motionscope_core::data::{Clip, Frame, ObjectBox};
+use motionscope_core::geometry::{Bounds, Grid};
+use motionscope_core::params::Params as _;
 use motionscope_core::products::region::{RegionError, RegionScores, success};
+use motionscope_core::products::{Region, RegionField};
+use motionscope_core::run::{AnyEstimator, Direction, Move};
 use motionscope_core::scene::Step;
-use motionscope_core::{
-    AnyEstimator, Bounds, Clip, Direction, Frame, Grid, Move, ObjectBox, Params as _, Region, RegionField, Threads,
-    synth,
-};
+use motionscope_core::synth;
 
 const ALL: [&str; 4] = ["mean-shift", "camshift", "particle-filter", "correlation-filter"];
 

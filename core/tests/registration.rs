@@ -3,9 +3,14 @@
 mod common;
 
 use common::{SIZE, error, linear_motion, moving, set, waves};
-use motionscope_core::{
-    AnyEstimator, Clip, Cursor, Flow, Frame, Grid, ModelField, Move, Params, Threads, metrics, scene::Readout, synth,
-};
+use motionscope_core::base::Threads;
+use motionscope_core::data::{Clip, Flow, Frame};
+use motionscope_core::geometry::Grid;
+use motionscope_core::params::Params;
+use motionscope_core::products::{ModelField, metrics};
+use motionscope_core::run::{AnyEstimator, Cursor, Move};
+use motionscope_core::scene::Readout;
+use motionscope_core::synth;
 
 fn model(estimator: &dyn AnyEstimator, clip: &Clip) -> ModelField {
     let output = estimator.run(clip, 0, &Threads::single()).expect("a run");

@@ -3,8 +3,12 @@
 mod common;
 
 use common::set;
+use motionscope_core::base::Threads;
+use motionscope_core::course::{detection, estimator};
+use motionscope_core::data::Clip;
+use motionscope_core::params::Params;
 use motionscope_core::products::Reference;
-use motionscope_core::{Clip, Params, Threads, detection, estimator, synth};
+use motionscope_core::synth;
 
 /// The scene with some of its sliders moved.
 fn scene(sliders: &[(&str, &str)]) -> Clip {

@@ -1,10 +1,14 @@
 //! Results hold bit for bit: what every estimator makes of bundled clips, as one number for each product.
 
+use motionscope_core::base::Threads;
+use motionscope_core::course::{estimator, estimators};
+use motionscope_core::data::Clip;
+use motionscope_core::params::Params;
 use motionscope_core::products::{
-    AnyProduct, Descriptor, EpipolarField, MaskField, PathField, PointField, SegmentField,
+    AnyProduct, Cell, Descriptor, EpipolarField, MaskField, PathField, PointField, SegmentField, Table,
 };
-use motionscope_core::products::{Cell, Table};
-use motionscope_core::{AnyEstimator, Clip, Params, Threads, estimator, estimators, synth};
+use motionscope_core::run::AnyEstimator;
+use motionscope_core::synth;
 
 /// FNV-1a over values: renaming a field does not change it.
 struct Fingerprint(u64);

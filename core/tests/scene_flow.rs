@@ -5,12 +5,15 @@ mod common;
 use std::sync::Arc;
 
 use common::set;
-use motionscope_core::products::Reference;
+use motionscope_core::base::{Error, Threads};
+use motionscope_core::course::{estimator, estimators};
+use motionscope_core::data::{Calibration, Clip, DepthSource, Frame, PixelClass, Pose};
+use motionscope_core::geometry::Grid;
+use motionscope_core::params::Params;
 use motionscope_core::products::scene_flow::{depth_error, scene_flow_error};
-use motionscope_core::{
-    AnyEstimator, Calibration, Clip, Cursor, DepthSource, Direction, Error, Frame, Grid, Guarantee, Move, Params,
-    PixelClass, Pose, SceneFlowField, Threads, estimator, estimators, synth,
-};
+use motionscope_core::products::{Reference, SceneFlowField};
+use motionscope_core::run::{AnyEstimator, Cursor, Direction, Guarantee, Move};
+use motionscope_core::synth;
 
 fn street(settings: &[(&str, &str)]) -> Clip {
     scene("drive", settings)

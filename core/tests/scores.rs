@@ -1,7 +1,7 @@
 //! Scores of tracks against recorded results of others.
 
-use motionscope_core::Bounds;
-use motionscope_core::objects::score::{Boxes, Scores};
+use motionscope_core::geometry::Bounds;
+use motionscope_core::products::objects::score::{Boxes, Scores};
 
 /// Numbers from 0 to below 1, the same ones each time.
 struct Chance(u64);

@@ -5,7 +5,10 @@ mod common;
 use std::f64::consts::TAU;
 
 use common::{set, waves};
-use motionscope_core::{Border, Clip, Descriptor, Frame, Gray, Grid, Keypoint, PointField, Threads};
+use motionscope_core::base::Threads;
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::geometry::{Border, Gray, Grid};
+use motionscope_core::products::{Descriptor, Keypoint, PointField};
 use nalgebra::{Matrix3, Vector3};
 
 type Image = Grid<f64>;

@@ -6,13 +6,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use common::set;
-use motionscope_core::params::Kind;
-use motionscope_core::products::Reference;
+use motionscope_core::base::{Error, Stop, Threads};
+use motionscope_core::course::{estimator, estimators};
+use motionscope_core::data::{Clip, Flow, ObjectBox, Truth};
+use motionscope_core::params::{Kind, Params, Value};
+use motionscope_core::products::{self, BlockField, ObjectField, ProductKind, Reference, TrackField};
+use motionscope_core::run::{Cursor, Move, stage};
 use motionscope_core::scene::Readout;
-use motionscope_core::{
-    BlockField, Clip, Cursor, Error, Flow, Move, ObjectBox, ObjectField, Params, ProductKind, Stop, Threads,
-    TrackField, Truth, Value, estimator, estimators, products, stage, synth,
-};
+use motionscope_core::synth;
 
 fn clip(scene: &str, settings: &[(&str, &str)]) -> Clip {
     let scene = synth::SCENES.iter().find(|other| other.id == scene).expect("a bundled scene");

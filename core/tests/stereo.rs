@@ -5,13 +5,15 @@ mod common;
 use std::sync::Arc;
 
 use common::set;
-use motionscope_core::products::Reference;
+use motionscope_core::base::Threads;
+use motionscope_core::course::estimators;
+use motionscope_core::data::{Calibration, Clip, Disparity, Frame};
+use motionscope_core::geometry::{Gray, Grid};
 use motionscope_core::products::disparity::disparity_error;
+use motionscope_core::products::{DisparityField, Reference};
+use motionscope_core::run::{AnyEstimator, Cursor, Direction, Guarantee, Move};
 use motionscope_core::scene::{Focus, Picture, Readout};
-use motionscope_core::{
-    AnyEstimator, Calibration, Clip, Cursor, Direction, Disparity, DisparityField, Frame, Gray, Grid, Guarantee, Move,
-    Threads, estimators, synth,
-};
+use motionscope_core::synth;
 
 /// Texture without repetition, smoothed over 2×2 px.
 fn texture(x: i64, y: i64) -> u8 {

@@ -1,9 +1,12 @@
 //! Fractions of a pixel and the price of a displacement, against plain references and exact truth.
 
+use motionscope_core::base::Threads;
+use motionscope_core::course::{estimator, estimators};
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::geometry::{Gray, Grid};
+use motionscope_core::products::BlockField;
+use motionscope_core::run::{AnyEstimator, Cursor, Move};
 use motionscope_core::scene::{Math, Readout};
-use motionscope_core::{
-    AnyEstimator, BlockField, Clip, Cursor, Frame, Gray, Grid, Move, Threads, estimator, estimators,
-};
 
 /// Waves by their angular frequency along x and y in rad/px, and their phase.
 type Waves = [(f64, f64, f64); 4];

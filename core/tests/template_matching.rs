@@ -3,10 +3,15 @@
 mod common;
 
 use common::{fact, moving, set, waves};
+use motionscope_core::base::Threads;
+use motionscope_core::course::estimator;
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::geometry::Grid;
+use motionscope_core::params::Params;
+use motionscope_core::products::{Status, Track, TrackField};
+use motionscope_core::run::{AnyEstimator, Cursor, Move};
 use motionscope_core::scene::Readout;
-use motionscope_core::{
-    AnyEstimator, Clip, Cursor, Frame, Grid, Move, Params, Status, Threads, Track, TrackField, estimator, synth,
-};
+use motionscope_core::synth;
 
 fn track(estimator: &dyn AnyEstimator, clip: &Clip) -> Track {
     let output = estimator.run(clip, 0, &Threads::single()).expect("a run");

@@ -3,8 +3,14 @@
 mod common;
 
 use common::{central, set, waves};
+use motionscope_core::base::Threads;
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::geometry::{Bounds, Grid};
+use motionscope_core::params::Params;
+use motionscope_core::products::RegionField;
+use motionscope_core::run::{AnyEstimator, Direction, Move};
 use motionscope_core::scene::{Readout, Step};
-use motionscope_core::{AnyEstimator, Bounds, Clip, Direction, Frame, Grid, Move, Params, RegionField, Threads, synth};
+use motionscope_core::synth;
 
 /// The linear part and the shift of an affine warp, row by row.
 type Affine = [[f64; 3]; 2];

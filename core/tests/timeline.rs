@@ -1,11 +1,14 @@
 //! Time travel on a toy estimator: levels of items, an end that nobody knows beforehand, and a damaged frame.
 
-use motionscope_core::memory::Need;
-use motionscope_core::{
-    BlockField, BlockGrid, BlockVector, Border, Clip, Cursor, Direction, Error, Estimator, Footprint, Frame,
-    Granularity, Grid, Info, Move, Observer, Output, Product, ProductKind, Progress, Scene, Seen, Step, Timeline, Walk,
-    params, pseudocode,
+use motionscope_core::base::{Error, Observer};
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::geometry::{Border, Grid};
+use motionscope_core::products::{BlockField, BlockGrid, BlockVector, Output, Product, ProductKind};
+use motionscope_core::run::{
+    Cursor, Direction, Estimator, Footprint, Granularity, Info, Move, Need, Progress, Seen, Timeline, Walk,
 };
+use motionscope_core::scene::{Scene, Step};
+use motionscope_core::{params, pseudocode};
 
 params! {
     /// Counts items, level by level.
@@ -81,7 +84,7 @@ impl Estimator for Toy {
             vectors: vec![Some(BlockVector { displacement: [0.0; 2], cost: 0.0, candidates: 1 }); state.0],
             cost: "none",
             border: Border::Replicate,
-            filter: motionscope_core::Interpolation::Bilinear,
+            filter: motionscope_core::data::Interpolation::Bilinear,
         })
     }
 }

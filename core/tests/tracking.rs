@@ -5,11 +5,13 @@ mod common;
 use std::collections::BTreeSet;
 
 use common::set;
-use motionscope_core::objects::score::{Scores, scores};
-use motionscope_core::{
-    AnyEstimator, Bounds, Clip, Cursor, Detection, Direction, Frame, Grid, Move, ObjectField, Threads, TrackStatus,
-    synth,
-};
+use motionscope_core::base::Threads;
+use motionscope_core::data::{Clip, Detection, Frame};
+use motionscope_core::geometry::{Bounds, Grid};
+use motionscope_core::products::objects::score::{Scores, scores};
+use motionscope_core::products::{ObjectField, TrackStatus};
+use motionscope_core::run::{AnyEstimator, Cursor, Direction, Move};
+use motionscope_core::synth;
 
 fn run(estimator: &dyn AnyEstimator, clip: &Clip) -> ObjectField {
     let output = estimator.run(clip, 0, &Threads::single()).expect("a run");

@@ -3,11 +3,15 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use motionscope_core::objects::trajectory::Trajectory;
-use motionscope_core::products::Reference;
-use motionscope_core::{
-    AnyEstimator, Bounds, Clip, Cursor, Detection, Move, ObjectField, Scene, Threads, estimator, scene::Readout, synth,
-};
+use motionscope_core::base::Threads;
+use motionscope_core::course::estimator;
+use motionscope_core::data::{Clip, Detection};
+use motionscope_core::geometry::Bounds;
+use motionscope_core::products::objects::trajectory::Trajectory;
+use motionscope_core::products::{ObjectField, Reference};
+use motionscope_core::run::{AnyEstimator, Cursor, Move};
+use motionscope_core::scene::{Readout, Scene};
+use motionscope_core::synth;
 
 const SIZE: [f32; 2] = [20.0, 14.0];
 
@@ -168,7 +172,7 @@ fn a_step_never_knows_what_comes_later() {
     let unit = walk.info().granularities.len() - 2;
     let mut counted = Vec::new();
     while !walk.at_end() {
-        walk.jump(Move::Granularity(unit, motionscope_core::Direction::Forward));
+        walk.jump(Move::Granularity(unit, motionscope_core::run::Direction::Forward));
         let step = walk.step(None);
         let facts = step.readouts.iter().find_map(|r| if let Readout::Facts(facts) = r { Some(facts) } else { None });
         let fact = facts.and_then(|facts| facts.iter().find(|fact| fact.label == "Crossings")).expect("it counts");

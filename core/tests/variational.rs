@@ -5,8 +5,11 @@ mod common;
 use std::sync::Arc;
 
 use common::{SIZE, central, error, flow, plane, plotted, set, waves};
-use motionscope_core::scene::Focus;
-use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Flow, Frame, Grid, Move, Step, Truth, scene};
+use motionscope_core::base::Error;
+use motionscope_core::data::{Clip, Flow, Frame, Truth};
+use motionscope_core::geometry::Grid;
+use motionscope_core::run::{AnyEstimator, Cursor, Move};
+use motionscope_core::scene::{self, Focus, Step};
 
 /// Waves of which pixel (x, y) of frame t + 1 shows what lay at `before(x, y)` in frame t, and noise of so many gray levels.
 fn moving(before: impl Fn(f64, f64) -> (f64, f64), noise: f64) -> Clip {

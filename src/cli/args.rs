@@ -4,7 +4,8 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::{Args as Group, Parser, Subcommand};
-use motionscope_core::{Cursor, Error, Pace, Threads};
+use motionscope_core::base::{Error, Threads};
+use motionscope_core::run::{Cursor, Pace};
 
 use super::examples;
 use super::look::LookFlags;
@@ -391,7 +392,7 @@ pub struct ExportArgs {
 // clap shows the error of a value parser as text.
 
 fn size(text: &str) -> Result<Size, String> {
-    text.parse().map_err(|error: motionscope_core::Error| error.to_string())
+    text.parse().map_err(|error: motionscope_core::base::Error| error.to_string())
 }
 
 fn seconds(text: &str) -> Result<f32, String> {
@@ -400,15 +401,15 @@ fn seconds(text: &str) -> Result<f32, String> {
 }
 
 fn pixel(text: &str) -> Result<Pixel, String> {
-    text.parse().map_err(|error: motionscope_core::Error| error.to_string())
+    text.parse().map_err(|error: motionscope_core::base::Error| error.to_string())
 }
 
 fn pane(id: &str) -> Result<Named, String> {
-    id.parse().map_err(|error: motionscope_core::Error| error.to_string())
+    id.parse().map_err(|error: motionscope_core::base::Error| error.to_string())
 }
 
 fn format(ending: &str) -> Result<Format, String> {
-    ending.parse().map_err(|error: motionscope_core::Error| error.to_string())
+    ending.parse().map_err(|error: motionscope_core::base::Error| error.to_string())
 }
 
 fn pace(id: &str) -> Result<Pace, String> {
@@ -434,7 +435,7 @@ fn contrast(text: &str) -> Result<Contrast, String> {
 }
 
 fn cursor(text: &str) -> Result<Cursor, String> {
-    text.parse().map_err(|error: motionscope_core::Error| error.to_string())
+    text.parse().map_err(|error: motionscope_core::base::Error| error.to_string())
 }
 
 fn frames(text: &str) -> Result<(usize, usize), String> {

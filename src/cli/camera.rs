@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 use std::path::Path;
 use std::time::Duration;
 
-use motionscope_core::{Error, Stop};
+use motionscope_core::base::{Error, Stop};
 
 use super::args::CameraArgs;
 use crate::media::camera::{Cameras, Device, Ffmpeg, Recorded, Size, record};

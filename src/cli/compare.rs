@@ -3,7 +3,9 @@
 use std::io::{IsTerminal, Write, stderr};
 use std::path::Path;
 
-use motionscope_core::{AnyEstimator, Clip, Error, Stop, Threads};
+use motionscope_core::base::{Error, Stop, Threads};
+use motionscope_core::data::Clip;
+use motionscope_core::run::AnyEstimator;
 
 use super::args::CompareArgs;
 use super::outputs::{Place, check_folder, refuse_losses};

@@ -1,7 +1,8 @@
 //! `motionscope export`: saves a range of steps as pictures or as an animation.
 
 use super::print::remark;
-use motionscope_core::{Error, Info};
+use motionscope_core::base::Error;
+use motionscope_core::run::Info;
 
 use super::args::ExportArgs;
 use super::outputs::{check_folder, refuse_losses};

@@ -1,7 +1,7 @@
 //! The glossary of the course: all terms by chapter, or one with its definition.
 
-use motionscope_core::Error;
-use motionscope_core::glossary::{Chapter, GLOSSARY, Term, lookup};
+use motionscope_core::base::Error;
+use motionscope_core::course::glossary::{Chapter, GLOSSARY, Term, lookup};
 use serde_json::json;
 
 /// All terms for a person, grouped by chapter in the order of the course.

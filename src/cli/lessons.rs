@@ -2,7 +2,7 @@
 
 use std::ffi::OsStr;
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 use serde_json::{Value, json};
 
 use crate::session::lesson::{Address, Lesson, Page, all};

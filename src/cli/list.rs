@@ -1,11 +1,13 @@
 //! The lists of estimators with their parameters, and of synthetic scenes with their sliders.
 
-use motionscope_core::examples::{self, Cause, Example};
-use motionscope_core::params::Kind;
-use motionscope_core::pseudocode::Line;
+use motionscope_core::base::Error;
+use motionscope_core::course::examples::{self, Cause, Example};
+use motionscope_core::course::{estimator, estimators};
+use motionscope_core::params::{Kind, Params, Spec, Value};
+use motionscope_core::run::AnyEstimator;
+use motionscope_core::scene::pseudocode::Line;
 use motionscope_core::scene::{Asked, Question};
 use motionscope_core::synth::{Difficulty, SCENES};
-use motionscope_core::{AnyEstimator, Error, Params, Spec, Value, estimator, estimators};
 use serde_json::{Map, json};
 
 /// Returns the estimators with these ids, or all of them.

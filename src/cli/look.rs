@@ -4,8 +4,7 @@ use std::ffi::OsString;
 
 use clap::builder::Str;
 use clap::{Arg, ArgMatches, Command};
-use motionscope_core::Spec;
-use motionscope_core::params::Kind;
+use motionscope_core::params::{Kind, Spec};
 
 use crate::view::look::{Changes, Look};
 

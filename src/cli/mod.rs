@@ -25,7 +25,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use clap::error::ErrorKind;
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 use crate::experiment::source::Source;
 use crate::media::{self, Given, Info, Open};
@@ -40,7 +40,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Ok(args) => args,
         Err(error) => return usage(&error),
     };
-    motionscope_core::memory::measure_with(free_memory::free_bytes);
+    motionscope_core::base::heap::measure_with(free_memory::free_bytes);
     match run(args) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 use crate::media::export::{Inputs, Target, check};
 

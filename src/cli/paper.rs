@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args as Group;
-use motionscope_core::{Cursor, Error};
+use motionscope_core::base::Error;
+use motionscope_core::run::Cursor;
 
 use super::outputs::{check_folder, refuse_losses};
 use super::print::say;

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
 
-use motionscope_core::{Error, is_command, printable};
+use motionscope_core::base::{Error, is_command, printable};
 use serde::Serialize;
 
 /// Writes `text` to standard output; a closed pipe is no error.

@@ -2,11 +2,12 @@
 
 use std::time::Duration;
 
+use motionscope_core::base::words::fixed;
 use motionscope_core::products::epipolar::Pose;
 use motionscope_core::products::model::Matrix3;
-use motionscope_core::products::{Assessment, Figure};
-use motionscope_core::scene::{Fact, Picture, Readout};
-use motionscope_core::{Cursor, EpipolarField, Extent, ModelField, Output, Step, fixed};
+use motionscope_core::products::{Assessment, EpipolarField, Figure, ModelField, Output};
+use motionscope_core::run::{Cursor, Extent};
+use motionscope_core::scene::{Fact, Picture, Readout, Step};
 use serde::{Serialize, Serializer};
 use serde_json::Map;
 

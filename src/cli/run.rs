@@ -3,13 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use motionscope_core::products::Reference;
+use motionscope_core::base::{Error, Threads};
+use motionscope_core::course::detection;
 use motionscope_core::products::model::IDENTITY;
-use motionscope_core::scene::Picture;
-use motionscope_core::{
-    AnyEstimator, Consistency, Cursor, EpipolarField, Error, Levels, ModelField, Move, Output, PathField, RunSummary,
-    Step, Threads, TrackField, detection,
-};
+use motionscope_core::products::{Consistency, EpipolarField, ModelField, Output, PathField, Reference, TrackField};
+use motionscope_core::run::{AnyEstimator, Cursor, Move, RunSummary};
+use motionscope_core::scene::{Levels, Picture, Step};
 
 use super::args::RunArgs;
 use super::outputs::{self, check_folder, refuse_losses};

@@ -1,6 +1,6 @@
 //! Search over lessons, glossary, estimators, parameters, charts and examples.
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 use serde_json::{Value, json};
 
 use crate::search::{Hit, grouped, search, suggest};

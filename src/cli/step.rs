@@ -1,7 +1,8 @@
 //! A step as data: `--json` with `--step`, and `--steps A..B --json`, one object a line. `assets/step.schema.json` describes it.
 
-use motionscope_core::scene::{Decimals, Fact, Math, Number, Value};
-use motionscope_core::{Cursor, Direction, Error, Move, Role, Step, Walk};
+use motionscope_core::base::Error;
+use motionscope_core::run::{Cursor, Direction, Move, Walk};
+use motionscope_core::scene::{Decimals, Fact, Math, Number, Role, Step, Value};
 use serde::Serialize;
 use serde_json::json;
 

@@ -5,7 +5,10 @@ use std::ffi::OsString;
 use std::path::Path;
 use std::sync::Arc;
 
-use motionscope_core::{AnyEstimator, Clip, Error, FRAMES, estimator};
+use motionscope_core::base::Error;
+use motionscope_core::course::estimator;
+use motionscope_core::data::Clip;
+use motionscope_core::run::{AnyEstimator, FRAMES};
 
 use super::args::{PictureArgs, TaskArgs};
 use crate::experiment::comparison;

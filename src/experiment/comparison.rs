@@ -6,9 +6,14 @@ pub mod conclusion;
 use std::borrow::Borrow;
 use std::time::{Duration, Instant};
 
-use motionscope_core::compare::Figures;
+use motionscope_core::base::words::{fixed, grouped};
+use motionscope_core::base::{Error, Threads};
+use motionscope_core::course::compare::Figures;
+use motionscope_core::course::{detection, estimator};
+use motionscope_core::data::Clip;
+use motionscope_core::params::Value;
 use motionscope_core::products::{self, Assessment, Better, Figure, KINDS, Measure, Reference};
-use motionscope_core::{AnyEstimator, Clip, Error, FRAMES, Threads, Value, detection, estimator, fixed, grouped};
+use motionscope_core::run::{AnyEstimator, FRAMES};
 use serde_json::{Map, json};
 
 use crate::experiment::source::Source;
@@ -568,7 +573,7 @@ pub fn set_all(estimators: &mut [Box<dyn AnyEstimator>], name: &str, value: &str
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::compare::{BlockFigures, LIGHT, NOISE_SIGMA};
+    use motionscope_core::course::compare::{BlockFigures, LIGHT, NOISE_SIGMA};
     use motionscope_core::products::Score;
 
     use super::*;

@@ -1,8 +1,11 @@
 //! The course's table of sequential, logarithmic and hierarchical search: its statements as printed, each beside a measurement.
 
-use motionscope_core::compare::{BlockFigures, Disturbance, LIGHT, NOISE_SIGMA, disturbed, kept_in_pan};
-use motionscope_core::products::{EPE, PSNR};
-use motionscope_core::{AnyEstimator, Error, Flow, Stop, estimator, metrics};
+use motionscope_core::base::{Error, Stop};
+use motionscope_core::course::compare::{BlockFigures, Disturbance, LIGHT, NOISE_SIGMA, disturbed, kept_in_pan};
+use motionscope_core::course::estimator;
+use motionscope_core::data::Flow;
+use motionscope_core::products::{EPE, PSNR, metrics};
+use motionscope_core::run::AnyEstimator;
 use serde_json::{Value, json};
 
 use crate::experiment::comparison::{ComparedEstimator, Conditions, Row, columns, markdown_table};

@@ -1,7 +1,8 @@
 //! The first step shown of a run: at the block or pixel with the most motion, not in the first corner of the picture.
 
+use motionscope_core::data::{Clip, Flow, Frame};
+use motionscope_core::run::{Cursor, Explained, ROW, Walk};
 use motionscope_core::scene::Focus;
-use motionscope_core::{Clip, Cursor, Explained, Flow, Frame, ROW, Walk};
 
 /// Side of the windows that are compared, in px.
 const WINDOW: usize = 16;
@@ -61,7 +62,7 @@ fn change(pair: &[std::sync::Arc<Frame>; 2], (x, y): (usize, usize)) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::estimator;
+    use motionscope_core::course::estimator;
     use motionscope_core::synth::{self, Difficulty};
 
     use super::*;

@@ -6,9 +6,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use motionscope_core::{
-    AnyEstimator, Clip, ClipInfo, Direction, Error, FRAME, FRAMES, Frame, FrameSource, Move, Stop, Walk,
-};
+use motionscope_core::base::{Error, Stop};
+use motionscope_core::data::{Clip, ClipInfo, Frame, FrameSource};
+use motionscope_core::run::{AnyEstimator, Direction, FRAME, FRAMES, Move, Walk};
 
 /// Frames of the past that a run can look back at.
 const KEPT: usize = 64;
@@ -191,7 +191,8 @@ pub fn measure(estimator: &dyn AnyEstimator, frames: &[Arc<Frame>], limit: Durat
 mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    use motionscope_core::{estimators, synth};
+    use motionscope_core::course::estimators;
+    use motionscope_core::synth;
 
     use super::*;
 

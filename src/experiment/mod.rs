@@ -13,9 +13,13 @@ pub mod sweeps;
 
 use std::sync::Arc;
 
+use motionscope_core::base::Error;
+use motionscope_core::base::words::fixed;
+use motionscope_core::course::estimators;
+use motionscope_core::data::Clip;
 use motionscope_core::params::{Figure, Kind, Spec};
-use motionscope_core::products::{Assessment, Reference};
-use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Output, RegionField, Walk, estimators, fixed};
+use motionscope_core::products::{Assessment, Output, Reference, RegionField};
+use motionscope_core::run::{AnyEstimator, Cursor, Info, Walk};
 use serde::Serialize;
 
 use crate::media::export::Inputs;
@@ -228,7 +232,9 @@ impl Prepared {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::{Threads, estimator, synth};
+    use motionscope_core::base::Threads;
+    use motionscope_core::course::estimator;
+    use motionscope_core::synth;
 
     use super::*;
 

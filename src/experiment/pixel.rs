@@ -3,8 +3,10 @@
 use std::fmt;
 use std::str::FromStr;
 
+use motionscope_core::base::Error;
+use motionscope_core::data::Clip;
+use motionscope_core::run::{Cursor, Explained, Move, Walk};
 use motionscope_core::scene::{Canvas, Focus, Picture, Pixels};
-use motionscope_core::{Clip, Cursor, Error, Explained, Move, Walk};
 
 /// A pixel by column and row from 0: `X,Y`, or `t+1:X,Y` in another picture than frame t.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

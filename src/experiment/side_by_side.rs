@@ -2,8 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use motionscope_core::params::{Kind, Spec, current_name};
-use motionscope_core::{AnyEstimator, Clip, Error, Info, Pace, Threads, Value, Walk, estimator, estimators, lockstep};
+use motionscope_core::base::{Error, Threads};
+use motionscope_core::course::{estimator, estimators};
+use motionscope_core::data::Clip;
+use motionscope_core::params::{Kind, Spec, Value, current_name};
+use motionscope_core::run::{AnyEstimator, Info, Pace, Walk, lockstep};
 
 use crate::experiment::{first, source};
 
@@ -271,7 +274,7 @@ fn another(estimator: &dyn AnyEstimator, name: &str) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use motionscope_core::Value;
+    use motionscope_core::params::Value;
 
     #[test]
     fn an_unscented_turn_is_contrasted_with_the_extended_one() {

@@ -4,8 +4,10 @@ use std::ffi::{OsStr, OsString};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use motionscope_core::base::Error;
+use motionscope_core::data::Clip;
+use motionscope_core::params::Params;
 use motionscope_core::synth::{self, Difficulty};
-use motionscope_core::{Clip, Error, Params};
 
 use crate::media::export::Inputs;
 use crate::media::{self, Open};

@@ -1,7 +1,8 @@
 //! Whether a clip suits an estimator, by what both declare and by the examples: nothing is run.
 
-use motionscope_core::examples::{self, Cause};
-use motionscope_core::{AnyEstimator, Clip, Guarantee};
+use motionscope_core::course::examples::{self, Cause};
+use motionscope_core::data::Clip;
+use motionscope_core::run::{AnyEstimator, Guarantee};
 
 use super::source::Source;
 
@@ -124,7 +125,9 @@ fn claim(id: &str, source: &Source) -> Option<Option<Cause>> {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::{Detection, Frame, Grid, estimator, estimators};
+    use motionscope_core::course::{estimator, estimators};
+    use motionscope_core::data::{Detection, Frame};
+    use motionscope_core::geometry::Grid;
 
     use super::*;
     use crate::media::Open;

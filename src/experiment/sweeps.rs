@@ -1,7 +1,8 @@
 //! The sweeps of a comparison: every numeric parameter of the estimators or slider of the clip, over values around its default.
 
-use motionscope_core::params::Kind;
-use motionscope_core::{AnyEstimator, Clip, Params, Spec, Value};
+use motionscope_core::data::Clip;
+use motionscope_core::params::{Kind, Params, Spec, Value};
+use motionscope_core::run::AnyEstimator;
 
 /// A parameter and the values it takes in a sweep.
 #[derive(Clone, Debug, PartialEq)]
@@ -206,8 +207,8 @@ fn rounded(value: f64, scale: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use motionscope_core::course::{estimator, estimators};
     use motionscope_core::synth::Difficulty;
-    use motionscope_core::{estimator, estimators};
 
     /// The names and numbers of sweeps.
     fn numbers(sweep: &Sweep) -> (&str, Vec<f64>) {

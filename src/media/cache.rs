@@ -6,7 +6,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::thread;
 use std::time::Duration;
 
-use motionscope_core::{Error, Frame, FrameSource, Stop};
+use motionscope_core::base::{Error, Stop};
+use motionscope_core::data::{Frame, FrameSource};
 
 use super::names::file_name;
 use super::{Decoder, Source, catch_panic, reason};
@@ -27,7 +28,7 @@ pub(crate) struct Lazy {
 
 /// The most that cached frames may take: an eighth of the free memory, so that both views leave most of it to runs.
 fn most_bytes() -> usize {
-    usize::try_from(motionscope_core::memory::free() / 8).unwrap_or(usize::MAX)
+    usize::try_from(motionscope_core::base::heap::free() / 8).unwrap_or(usize::MAX)
 }
 
 impl Lazy {
@@ -180,7 +181,8 @@ impl Cache {
 mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    use motionscope_core::{ClipInfo, Grid};
+    use motionscope_core::data::ClipInfo;
+    use motionscope_core::geometry::Grid;
 
     use super::*;
 

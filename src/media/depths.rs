@@ -4,7 +4,9 @@ use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use motionscope_core::{Clip, DepthSource, Error, Grid};
+use motionscope_core::base::Error;
+use motionscope_core::data::{Clip, DepthSource};
+use motionscope_core::geometry::Grid;
 
 use super::names::{file_name, stem};
 use super::sequence::{Sequence, parent};

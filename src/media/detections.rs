@@ -4,7 +4,9 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use motionscope_core::{Bounds, Clip, Detection, Error};
+use motionscope_core::base::Error;
+use motionscope_core::data::{Clip, Detection};
+use motionscope_core::geometry::Bounds;
 
 use super::input::{self, Node};
 use super::names::{extension, file_name};

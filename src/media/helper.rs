@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 /// How often a waiting thread asks whether it should stop.
 const POLL: Duration = Duration::from_millis(10);

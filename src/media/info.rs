@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use motionscope_core::{Calibration, Clip, fixed};
+use motionscope_core::base::words::fixed;
+use motionscope_core::data::{Calibration, Clip};
 use serde::Serialize;
 
 /// The description of a clip that `motionscope info` prints.
@@ -171,7 +172,8 @@ fn brief(value: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::{ClipInfo, Frame, Grid};
+    use motionscope_core::data::{ClipInfo, Frame};
+    use motionscope_core::geometry::Grid;
 
     use super::*;
 

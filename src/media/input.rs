@@ -4,7 +4,7 @@ use std::fs::{self, File, FileType};
 use std::io::{BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 use super::{cannot_read, name_of};
 

@@ -32,7 +32,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use motionscope_core::{Clip, ClipInfo, Error, Frame, Stop, Truth, memory};
+use motionscope_core::base::{Error, Stop, heap};
+use motionscope_core::data::{Clip, ClipInfo, Frame, Truth};
 
 use detect_format::Kind;
 use export::{InputKind, Inputs};
@@ -239,10 +240,10 @@ const SMALL_BYTES: u64 = 64 << 20;
 /// Refuses pictures for which there is not enough memory.
 fn check_memory(pixels: usize) -> Result<(), Error> {
     let need = DECODING.saturating_mul(pixels as u64);
-    if need < SMALL_BYTES || need <= memory::free() {
+    if need < SMALL_BYTES || need <= heap::free() {
         return Ok(());
     }
-    let [need, free] = [need, memory::free()].map(|bytes| bytes >> 20);
+    let [need, free] = [need, heap::free()].map(|bytes| bytes >> 20);
     Err(Error::new(format!(
         "decoding a picture of it takes about {need} MiB of memory, but {free} MiB are free; close other programs, or scale it down"
     )))

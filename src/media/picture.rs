@@ -8,7 +8,9 @@ use std::path::Path;
 use std::str::FromStr;
 
 use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
-use motionscope_core::{Error, Frame, Grid};
+use motionscope_core::base::Error;
+use motionscope_core::data::Frame;
+use motionscope_core::geometry::Grid;
 
 use super::tiff::{self, Page, Paged};
 use super::{MAX_AREA_PX, MAX_SIDE_PX, cannot_read, check_size, reason};

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 use super::cannot_read;
 use super::names::{Numbered, extension, file_name, natural_order, stem};

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use image::imageops::FilterType;
-use motionscope_core::{ClipInfo, Error, Frame, Grid, Stop};
+use motionscope_core::base::{Error, Stop};
+use motionscope_core::data::{ClipInfo, Frame};
+use motionscope_core::geometry::Grid;
 
 use super::names::file_name;
 use super::picture::Contrast;
@@ -300,7 +302,7 @@ mod tests {
     use std::fs;
 
     use image::{DynamicImage, ImageFormat};
-    use motionscope_core::Clip;
+    use motionscope_core::data::Clip;
     use proptest::prelude::*;
 
     use super::*;

@@ -14,7 +14,7 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError, RwLock, RwLockReadGuar
 use std::thread;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 /// The prefix of temporary files.
 const PREFIX: &str = ".motionscope-";

@@ -1,6 +1,6 @@
 //! Files that are not clips, detected by their first bytes.
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 use super::input;
 use super::truth::mot;

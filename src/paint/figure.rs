@@ -5,8 +5,8 @@ mod framing;
 use std::sync::Arc;
 
 use framing::{cut, has_part, is_link_seen, is_seen, magnified, pane_size, pane_sizes};
-use motionscope_core::scene::{Mark, Math, Picture, Sentence, Shape, Surface};
-use motionscope_core::{Grid, Scene};
+use motionscope_core::geometry::Grid;
+use motionscope_core::scene::{Mark, Math, Picture, Scene, Sentence, Shape, Surface};
 
 use super::charts::explanation::{Density, equation};
 use super::charts::relief::{Landscape, Lean};

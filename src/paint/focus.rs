@@ -4,8 +4,7 @@
 
 mod local;
 
-use motionscope_core::scene::{Mark, Picture, Shape};
-use motionscope_core::{Role, Scene};
+use motionscope_core::scene::{Mark, Picture, Role, Scene, Shape};
 
 use super::primitive::Rect;
 
@@ -423,7 +422,7 @@ const MAP_GAP: f32 = 6.0;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use motionscope_core::Grid;
+    use motionscope_core::geometry::Grid;
     use motionscope_core::scene::{Arrow, Link};
 
     const SIZE: (usize, usize) = (320, 240);

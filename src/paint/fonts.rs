@@ -142,7 +142,7 @@ mod tests {
 
     #[test]
     fn what_estimators_say_of_themselves_can_be_written() {
-        for estimator in motionscope_core::estimators() {
+        for estimator in motionscope_core::course::estimators() {
             let info = estimator.info();
             let words =
                 [info.name, info.summary, info.source].into_iter().chain(info.pseudocode.iter().map(|line| line.text));
@@ -159,7 +159,7 @@ mod tests {
 
     #[test]
     fn the_glossary_can_be_written() {
-        for term in motionscope_core::glossary::GLOSSARY {
+        for term in motionscope_core::course::glossary::GLOSSARY {
             let words = [term.name, term.definition, term.symbol.unwrap_or_default()];
             for c in words.into_iter().flat_map(str::chars) {
                 assert!(Face::Sans.with(c).font().is_some_and(|font| font.glyph_id(c).0 != 0), "{}: {c}", term.name);

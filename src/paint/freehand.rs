@@ -2,8 +2,9 @@
 
 use std::str::FromStr;
 
-use motionscope_core::scene::Picture;
-use motionscope_core::{Cursor, Error, Role};
+use motionscope_core::base::Error;
+use motionscope_core::run::Cursor;
+use motionscope_core::scene::{Picture, Role};
 
 use super::primitive::{Point, Primitive, Rect, Stroke};
 use super::{Panel, Placement, Theme};

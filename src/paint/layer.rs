@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
-use motionscope_core::scene::Quantity;
-use motionscope_core::{Error, Flow, Grid, Role, Threads};
+use motionscope_core::base::{Error, Threads};
+use motionscope_core::data::Flow;
+use motionscope_core::geometry::Grid;
+use motionscope_core::scene::{Quantity, Role};
 
 use super::legend::{Bar, Entry, Sample};
 use super::{Color, ColorMap, Theme, flow_color, number};

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use motionscope_core::scene::{Mark, Shape};
-use motionscope_core::{Grid, Role, Scene};
+use motionscope_core::geometry::Grid;
+use motionscope_core::scene::{Mark, Role, Scene, Shape};
 
 use super::primitive::{Anchor, Arrows, Line, Pen, Point, Primitive, Rect, Run, Stroke};
 use super::wrap::wrap;

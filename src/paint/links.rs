@@ -1,7 +1,6 @@
 //! Lines between pictures, such as matches.
 
-use motionscope_core::Scene;
-use motionscope_core::scene::{Link, Picture};
+use motionscope_core::scene::{Link, Picture, Scene};
 
 use super::primitive::{Point, Primitive, Rect, Stroke};
 use super::{Color, Look, Panel, Placement};
@@ -56,7 +55,7 @@ fn line(link: &Link, (look, alpha): (&Look, u8), sites: &[LinkSite]) -> Option<V
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::Role;
+    use motionscope_core::scene::Role;
 
     use super::*;
     use crate::paint::Style;

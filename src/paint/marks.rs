@@ -8,8 +8,9 @@ use std::sync::Arc;
 
 use arrows::{DISTINCT, apart, cell, fitting, length, way};
 use labels::{Label, Side, apart_labels};
-use motionscope_core::scene::{self, Mark, Shape};
-use motionscope_core::{Grid, Role, Scene, Streak};
+use motionscope_core::geometry::Grid;
+use motionscope_core::products::Streak;
+use motionscope_core::scene::{self, Mark, Role, Scene, Shape};
 
 pub(super) use arrows::is_thinned;
 

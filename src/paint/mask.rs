@@ -1,6 +1,8 @@
 //! Pixels of a mask as a contour with sparse hatching, through which the picture is seen.
 
-use motionscope_core::{Grid, Mask, Role};
+use motionscope_core::data::Mask;
+use motionscope_core::geometry::Grid;
+use motionscope_core::scene::Role;
 
 use super::{Ink, marks};
 

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use motionscope_core::spaced;
-pub use motionscope_core::{grouped, with_power};
+use motionscope_core::base::words::spaced;
+pub use motionscope_core::base::words::{grouped, with_power};
 
 /// Numbers from here on are written without a power of ten.
 const SMALL: f32 = 1e-4;

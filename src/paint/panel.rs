@@ -2,8 +2,11 @@
 
 use std::sync::{Arc, LazyLock};
 
-use motionscope_core::scene::{Measured, Picture};
-use motionscope_core::{Error, Frame, Grid, Levels, Streaks};
+use motionscope_core::base::Error;
+use motionscope_core::data::Frame;
+use motionscope_core::geometry::Grid;
+use motionscope_core::products::Streaks;
+use motionscope_core::scene::{Levels, Measured, Picture};
 
 use super::{FlowLayer, Tint};
 

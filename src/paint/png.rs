@@ -3,7 +3,8 @@
 use std::collections::VecDeque;
 use std::io::Write;
 
-use motionscope_core::{Error, Grid};
+use motionscope_core::base::Error;
+use motionscope_core::geometry::Grid;
 
 use super::Figure;
 use super::raster::{self, BoundedLayer};

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use motionscope_core::{Grid, scene};
+use motionscope_core::geometry::Grid;
+use motionscope_core::scene;
 
 use super::Color;
 use super::fonts::{self, Face};

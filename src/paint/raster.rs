@@ -154,7 +154,7 @@ impl Canvas {
         line.underlines().for_each(|underline| self.paint(&underline));
     }
 
-    fn image(&mut self, pixels: &motionscope_core::Grid<[u8; 4]>, rect: Rect) {
+    fn image(&mut self, pixels: &motionscope_core::geometry::Grid<[u8; 4]>, rect: Rect) {
         let (Ok(width), Ok(height)) = (u32::try_from(pixels.width()), u32::try_from(pixels.height())) else { return };
         if self.blit(pixels, rect) {
             return;
@@ -173,7 +173,7 @@ impl Canvas {
     }
 
     /// Copies an opaque picture whose pixels are whole numbers of ours; says whether it could.
-    fn blit(&mut self, pixels: &motionscope_core::Grid<[u8; 4]>, rect: Rect) -> bool {
+    fn blit(&mut self, pixels: &motionscope_core::geometry::Grid<[u8; 4]>, rect: Rect) -> bool {
         let cell = rect.size()[0] * self.scale / pixels.width() as f32;
         let min = rect.min.map(|c| c * self.scale);
         let square = cell == rect.size()[1] * self.scale / pixels.height() as f32;

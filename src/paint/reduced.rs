@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use motionscope_core::Grid;
+use motionscope_core::geometry::Grid;
 
 /// The mean of every `factor × factor` pixels; colours count by how opaque they are.
 pub fn reduced(pixels: &Grid<[u8; 4]>, factor: usize) -> Cow<'_, Grid<[u8; 4]>> {

@@ -6,7 +6,9 @@ use std::io::Write as _;
 use ::svg::Document;
 use ::svg::node::element::{Circle, ClipPath, Definitions, Description, Group, Image, Path, Rectangle, Title};
 use ::svg::node::{Blob, Node};
-use motionscope_core::{Error, Grid, choices};
+use motionscope_core::base::Error;
+use motionscope_core::choices;
+use motionscope_core::geometry::Grid;
 use tiny_skia::PathSegment;
 
 use super::primitive::{Anchor, Arrow, Line, Point, Primitive, Rect, Stroke};

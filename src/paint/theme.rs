@@ -1,6 +1,6 @@
 //! The three themes: how each role is inked, and the colours and sizes of everything around the pictures.
 
-use motionscope_core::Role;
+use motionscope_core::scene::Role;
 
 use super::Color;
 

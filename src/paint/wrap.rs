@@ -119,7 +119,7 @@ pub fn inked(sentence: &Sentence, theme: Theme) -> Vec<Run> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use motionscope_core::Role;
+    use motionscope_core::scene::Role;
 
     #[test]
     fn a_vector_stays_on_one_line() {

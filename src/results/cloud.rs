@@ -1,6 +1,7 @@
 //! Points in space, as a file that point-cloud viewers open.
 
-use motionscope_core::{DisparityField, Error, Output, Product, SceneFlowField};
+use motionscope_core::base::Error;
+use motionscope_core::products::{DisparityField, Output, Product, SceneFlowField};
 
 use super::{EncodedFiles, Export, Format};
 
@@ -90,7 +91,11 @@ fn write_vector(bytes: &mut Vec<u8>, vector: [f64; 3]) {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::{Calibration, Disparity, Grid, Threads, estimator, synth};
+    use motionscope_core::base::Threads;
+    use motionscope_core::course::estimator;
+    use motionscope_core::data::{Calibration, Disparity};
+    use motionscope_core::geometry::Grid;
+    use motionscope_core::synth;
 
     use super::*;
 

@@ -1,6 +1,8 @@
 //! A disparity for each pixel, as a field.
 
-use motionscope_core::{Disparity, DisparityField, Error, Output, Product};
+use motionscope_core::base::Error;
+use motionscope_core::data::Disparity;
+use motionscope_core::products::{DisparityField, Output, Product};
 
 use super::{EncodedFiles, Export, Format};
 use crate::media::export::{kitti_disparity_result, npy_of, pfm};
@@ -51,7 +53,9 @@ fn npy(Disparity(map): &Disparity) -> Vec<u8> {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::{DenseField, Flow, Grid};
+    use motionscope_core::data::Flow;
+    use motionscope_core::geometry::Grid;
+    use motionscope_core::products::DenseField;
 
     use super::*;
 

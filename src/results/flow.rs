@@ -1,7 +1,9 @@
 //! A displacement for each pixel, as a field.
 
-use motionscope_core::{
-    BlockField, DenseField, Error, Flow, MatchField, ModelField, Output, PointField, Product, TrackField,
+use motionscope_core::base::Error;
+use motionscope_core::data::Flow;
+use motionscope_core::products::{
+    BlockField, DenseField, MatchField, ModelField, Output, PointField, Product, TrackField,
 };
 
 use super::{EncodedFiles, Export, Format};
@@ -57,7 +59,7 @@ fn as_kitti(output: &Output) -> Result<EncodedFiles, Error> {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::Grid;
+    use motionscope_core::geometry::Grid;
 
     use super::*;
 

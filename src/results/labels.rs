@@ -1,6 +1,7 @@
 //! The labels of the segments of each frame, as a picture each.
 
-use motionscope_core::{Error, Output, Product, SegmentField, SegmentFrame};
+use motionscope_core::base::Error;
+use motionscope_core::products::{Output, Product, SegmentField, SegmentFrame};
 
 use super::{EncodedFiles, Export, Format};
 use crate::media::export::{Pixels, png_result};
@@ -51,7 +52,7 @@ fn encoded(frame: &SegmentFrame) -> Result<Vec<u8>, Error> {
 mod tests {
     use std::sync::Arc;
 
-    use motionscope_core::Grid;
+    use motionscope_core::geometry::Grid;
 
     use super::*;
 

@@ -1,6 +1,9 @@
 //! The foreground mask of each frame, as a picture each.
 
-use motionscope_core::{Error, Grid, MaskField, Output, PackedMask, Product};
+use motionscope_core::base::Error;
+use motionscope_core::data::PackedMask;
+use motionscope_core::geometry::Grid;
+use motionscope_core::products::{MaskField, Output, Product};
 
 use super::{EncodedFiles, Export, Format};
 use crate::media::export::{Pixels, png_result};

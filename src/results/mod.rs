@@ -13,7 +13,8 @@ mod tracks;
 
 use std::path::{Path, PathBuf};
 
-use motionscope_core::{Error, Output, ProductKind};
+use motionscope_core::base::Error;
+use motionscope_core::products::{Output, ProductKind};
 
 use crate::media::export::{self, Target};
 use crate::media::names::extension;

@@ -1,6 +1,8 @@
 //! The pictures that a run makes of the frames: stabilised frames, a mosaic.
 
-use motionscope_core::{Error, Frame, Output, PathField, Product};
+use motionscope_core::base::Error;
+use motionscope_core::data::Frame;
+use motionscope_core::products::{Output, PathField, Product};
 
 use super::{EncodedFiles, Export, Format};
 use crate::media::export::{Pixels, png_result};

@@ -1,9 +1,10 @@
 //! The table of any product, as CSV.
 
-use motionscope_core::table::Table;
-use motionscope_core::{
-    BlockField, DenseField, DisparityField, EpipolarField, Error, MaskField, MatchField, ModelField, ObjectField,
-    Output, PathField, PointField, Product, RegionField, SceneFlowField, SegmentField, TrackField,
+use motionscope_core::base::Error;
+use motionscope_core::products::table::Table;
+use motionscope_core::products::{
+    BlockField, DenseField, DisparityField, EpipolarField, MaskField, MatchField, ModelField, ObjectField, Output,
+    PathField, PointField, Product, RegionField, SceneFlowField, SegmentField, TrackField,
 };
 
 use super::{EncodedFiles, Export, Format};
@@ -60,8 +61,10 @@ pub(super) fn csv(table: &Table) -> String {
 mod tests {
     use std::sync::Arc;
 
-    use motionscope_core::table::Cell;
-    use motionscope_core::{BlockGrid, BlockVector, Border, Confidence, Feature, Flow, Grid, Keypoint, Status, Track};
+    use motionscope_core::data::Flow;
+    use motionscope_core::geometry::{Border, Grid};
+    use motionscope_core::products::table::Cell;
+    use motionscope_core::products::{BlockGrid, BlockVector, Confidence, Feature, Keypoint, Status, Track};
 
     use super::*;
 
@@ -87,7 +90,7 @@ mod tests {
             vectors: vec![vector(2.0, 12.0), None, vector(0.5, 3.25)],
             cost: "SAD",
             border: Border::Replicate,
-            filter: motionscope_core::Interpolation::Bilinear,
+            filter: motionscope_core::data::Interpolation::Bilinear,
         });
         let golden = "x_px,y_px,width_px,height_px,u_px,v_px,cost\n7.5,7.5,16,16,2,-1,12\n35.5,7.5,8,16,0.5,-1,3.25\n";
         assert_eq!(csv(&output), golden);

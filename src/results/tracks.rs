@@ -2,7 +2,8 @@
 
 use std::borrow::Cow;
 
-use motionscope_core::{Error, Followed, Object, ObjectField, Output, Product, RegionField, TrackStatus};
+use motionscope_core::base::Error;
+use motionscope_core::products::{Followed, Object, ObjectField, Output, Product, RegionField, TrackStatus};
 
 use super::{EncodedFiles, Export, Format, table};
 use crate::media::export::{mot_rect, npy_of};
@@ -97,9 +98,11 @@ fn npy(field: &ObjectField) -> Vec<u8> {
 mod tests {
     use std::sync::Arc;
 
-    use motionscope_core::objects::trajectory::{Places, Trajectory};
+    use motionscope_core::data::{Blob, Detection};
+    use motionscope_core::geometry::Bounds;
     use motionscope_core::params::{Line, Zones};
-    use motionscope_core::{Blob, Bounds, Detection, ObjectFrame, Region, RegionFrame, Watched};
+    use motionscope_core::products::objects::trajectory::{Places, Trajectory};
+    use motionscope_core::products::{ObjectFrame, Region, RegionFrame, Watched};
 
     use super::*;
 

@@ -1,8 +1,11 @@
 //! Everything that can be found, with its titles and texts.
 
-use motionscope_core::examples::{self, Cause};
-use motionscope_core::glossary::GLOSSARY;
-use motionscope_core::{AnyEstimator, Info, Spec, capital, estimators};
+use motionscope_core::base::words::capital;
+use motionscope_core::course::estimators;
+use motionscope_core::course::examples::{self, Cause};
+use motionscope_core::course::glossary::GLOSSARY;
+use motionscope_core::params::Spec;
+use motionscope_core::run::{AnyEstimator, Info};
 
 use super::text::Searched;
 use super::{Kind, Target};

@@ -7,8 +7,8 @@ mod text;
 use std::ops::Range;
 use std::sync::OnceLock;
 
-use motionscope_core::examples::Example;
-use motionscope_core::glossary::Term;
+use motionscope_core::course::examples::Example;
+use motionscope_core::course::glossary::Term;
 
 use crate::session::example;
 use crate::session::lesson::Address;

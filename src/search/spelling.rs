@@ -6,7 +6,7 @@ use std::iter::once;
 use std::ops::Bound;
 use std::sync::OnceLock;
 
-use motionscope_core::nearest;
+use motionscope_core::base::words::nearest;
 
 use super::text::{Query, TRANSPOSED, is_of_word, tokens};
 use super::{finds, index};

@@ -2,9 +2,11 @@
 
 use std::ffi::OsStr;
 
-use motionscope_core::examples::{self, Example};
+use motionscope_core::base::Error;
+use motionscope_core::course::estimator;
+use motionscope_core::course::examples::{self, Example};
 use motionscope_core::params::Kind;
-use motionscope_core::{AnyEstimator, Error, estimator};
+use motionscope_core::run::AnyEstimator;
 
 use super::Session;
 use crate::experiment::source::Source;

@@ -1,6 +1,6 @@
 //! The `[[ink]]` sections of a session: lines drawn by hand on its steps.
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 use motionscope_core::scene::Picture;
 use serde::Serialize;
 

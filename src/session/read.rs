@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use motionscope_core::{AnyEstimator, Error, Pace, estimator};
+use motionscope_core::base::Error;
+use motionscope_core::course::estimator;
+use motionscope_core::run::{AnyEstimator, Pace};
 
 use super::toml_text::{Entry, Section};
 use super::{Session, VERSION, VisiblePart, ink, key, pace};

@@ -2,9 +2,10 @@
 
 use std::fs;
 
-use motionscope_core::params::{Kind, Spot};
+use motionscope_core::course::{estimator, estimators};
+use motionscope_core::params::{Kind, Params, Spot, Value};
+use motionscope_core::run::{Cursor, Pace};
 use motionscope_core::scene::Picture;
-use motionscope_core::{Cursor, Pace, Params, Value, estimator, estimators};
 
 use super::write::{relative, slashed};
 use super::*;

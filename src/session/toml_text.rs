@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 use motionscope_core::params::Kind;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};

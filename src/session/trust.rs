@@ -10,7 +10,7 @@ use std::io::Write as _;
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 use super::{Session, folder_of};
 use crate::media::{self, export::hash};

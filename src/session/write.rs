@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
-use motionscope_core::{AnyEstimator, Error, Value};
+use motionscope_core::base::Error;
+use motionscope_core::params::Value;
+use motionscope_core::run::AnyEstimator;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 

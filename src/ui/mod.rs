@@ -11,7 +11,7 @@ pub mod stage;
 
 use std::ffi::OsString;
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 use crate::experiment::first;
 

@@ -2,8 +2,9 @@
 
 use std::str::FromStr;
 
-use motionscope_core::scene::{Chart, Readout, Sentence};
-use motionscope_core::{Cursor, Error, Step};
+use motionscope_core::base::Error;
+use motionscope_core::run::Cursor;
+use motionscope_core::scene::{Chart, Readout, Sentence, Step};
 
 use super::moment::Moment;
 use super::page::{Stand, Words};
@@ -319,8 +320,8 @@ fn pictures(moment: &Moment, stand: &Stand<'_>, (room, per_sheet): (Rect, PerShe
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::scene::{Series, Surface};
-    use motionscope_core::{Grid, Role};
+    use motionscope_core::geometry::Grid;
+    use motionscope_core::scene::{Role, Series, Surface};
 
     use super::super::panes::{MATRICES, SERIES, SURFACE};
     use super::*;

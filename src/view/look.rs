@@ -5,7 +5,9 @@ mod values;
 
 use std::collections::BTreeMap;
 
-use motionscope_core::{Error, Params, Spec, Value, params};
+use motionscope_core::base::Error;
+use motionscope_core::params;
+use motionscope_core::params::{Params, Spec, Value};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 pub use values::CaptionWords;

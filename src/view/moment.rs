@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
+use motionscope_core::base::{Error, Threads};
+use motionscope_core::course::detection;
+use motionscope_core::data::{Clip, Frame, Histogram};
 use motionscope_core::products::objects::score::{FrameErrors, errors_on};
-use motionscope_core::products::{Assessment, Reference};
-use motionscope_core::scene::{Canvas, Fact, Focus, Picture, PictureRole, Readout};
-use motionscope_core::{
-    Clip, Cursor, Error, Frame, Histogram, Levels, ObjectField, Output, Role, Scene, Step, Threads, Walk, detection,
-};
+use motionscope_core::products::{Assessment, ObjectField, Output, Reference};
+use motionscope_core::run::{Cursor, Walk};
+use motionscope_core::scene::{Canvas, Fact, Focus, Levels, Picture, PictureRole, Readout, Role, Scene, Step};
 
 use super::look::{Look, RunState};
 use super::motion::{AvailableLayers, Motion, Reverse, Site};

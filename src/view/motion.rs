@@ -5,12 +5,12 @@
 use std::cell::OnceCell;
 use std::sync::Arc;
 
-use motionscope_core::products::Motion as Known;
-use motionscope_core::scene::{Fact, Quantity, Shape};
-use motionscope_core::{
-    Agreement, AnyEstimator, Beside, Clip, Confidence, Consistency, Error, Flow, Grid, Output, Scene, Streaks, Threads,
-    Walk, metrics, scene,
-};
+use motionscope_core::base::{Error, Threads};
+use motionscope_core::data::{Clip, Flow};
+use motionscope_core::geometry::Grid;
+use motionscope_core::products::{Agreement, Confidence, Consistency, Motion as Known, Output, Streaks, metrics};
+use motionscope_core::run::{AnyEstimator, Beside, Walk};
+use motionscope_core::scene::{self, Fact, Quantity, Scene, Shape};
 
 use crate::paint::{FlowLayer, LayerStyle, Pictures, Scalars, Tint, grouped};
 use crate::view::look::Look;

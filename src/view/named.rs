@@ -3,8 +3,10 @@
 use std::cell::RefCell;
 use std::sync::Arc;
 
+use motionscope_core::base::Error;
+use motionscope_core::data::Frame;
+use motionscope_core::run::Cursor;
 use motionscope_core::scene::{Canvas, Picture, Pixels};
-use motionscope_core::{Cursor, Error, Frame};
 
 /// The pictures that a step names, as far as they can be had.
 #[derive(Clone, Debug, Default)]
@@ -52,7 +54,7 @@ impl LastNamed {
 mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    use motionscope_core::Grid;
+    use motionscope_core::geometry::Grid;
 
     use super::*;
 

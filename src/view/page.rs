@@ -1,7 +1,8 @@
 //! The page of a lesson as a picture: its words beside the step that they explain.
 
+use motionscope_core::base::Error;
+use motionscope_core::run::{AnyEstimator, Cursor, Move};
 use motionscope_core::scene::Focus;
-use motionscope_core::{AnyEstimator, Cursor, Error, Move};
 
 use super::look::Look;
 use super::moment::Viewer;

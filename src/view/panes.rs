@@ -3,8 +3,10 @@
 use std::fmt;
 use std::str::FromStr;
 
-use motionscope_core::scene::{Chart, Cloud, Diagram, Distribution, Plane, Readout, Regions, Series, Surface};
-use motionscope_core::{AnyEstimator, DenseField, Error, Info, Product, Step};
+use motionscope_core::base::Error;
+use motionscope_core::products::{DenseField, Product};
+use motionscope_core::run::{AnyEstimator, Info};
+use motionscope_core::scene::{Chart, Cloud, Diagram, Distribution, Plane, Readout, Regions, Series, Step, Surface};
 
 use crate::paint::charts::{
     ChartStyle, Orbit, cloud, diagram, distribution, explanation, heat_map, histogram, matrices, plane, regions,
@@ -496,7 +498,7 @@ fn some_matrices(readout: &Readout) -> Option<&[motionscope_core::scene::Matrix]
     if let Readout::Matrices(all) = readout { Some(all.as_slice()).filter(|all| !all.is_empty()) } else { None }
 }
 
-fn a_histogram(readout: &Readout) -> Option<&motionscope_core::Histogram> {
+fn a_histogram(readout: &Readout) -> Option<&motionscope_core::data::Histogram> {
     if let Readout::Histogram(histogram) = readout { Some(histogram) } else { None }
 }
 
@@ -508,7 +510,7 @@ fn a_cloud(readout: &Readout) -> Option<&Cloud> {
     if let Readout::Cloud(cloud) = readout { Some(cloud) } else { None }
 }
 
-fn a_stack(readout: &Readout) -> Option<&motionscope_core::Stack> {
+fn a_stack(readout: &Readout) -> Option<&motionscope_core::scene::Stack> {
     if let Readout::Stack(stack) = readout { Some(stack) } else { None }
 }
 
@@ -561,7 +563,7 @@ fn cells(area: Rect, (count, columns): (usize, usize), style: ChartStyle) -> Vec
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::estimators;
+    use motionscope_core::course::estimators;
     use motionscope_core::products::Motion;
 
     use super::*;
@@ -601,11 +603,11 @@ mod tests {
     #[test]
     fn quantities_without_a_value_are_no_plots() {
         let series = |y: f32| {
-            let lines = vec![("NIS", motionscope_core::Role::Measured, vec![[1.0, y]])];
+            let lines = vec![("NIS", motionscope_core::scene::Role::Measured, vec![[1.0, y]])];
             Readout::Series(Series { title: "NIS", lines, ..Series::default() })
         };
         let step = |readouts: Vec<Readout>| {
-            let info = motionscope_core::estimator("kalman-filter").unwrap().info();
+            let info = motionscope_core::course::estimator("kalman-filter").unwrap().info();
             Step { values: Vec::new(), line: info.pseudocode[0].name, sentence: Default::default(), readouts }
         };
         assert!(charts(&step(vec![series(f32::NAN), Readout::Tiles(Vec::new())]), &[]).is_empty());

@@ -1,6 +1,6 @@
 //! Sheets of paper, one after the other: margins, a line above and below, and room between them.
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 use crate::paint::charts::explanation::Block;
 use crate::paint::charts::{Canvas, Level, Type, shortened};

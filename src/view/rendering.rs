@@ -5,9 +5,11 @@ use std::path::Path;
 use std::str::FromStr;
 use std::sync::Arc;
 
-use motionscope_core::params::Kind;
+use motionscope_core::base::Error;
+use motionscope_core::geometry::Grid;
+use motionscope_core::params::{Kind, Spec, Value};
+use motionscope_core::run::AnyEstimator;
 use motionscope_core::scene::{Readout, Sentence};
-use motionscope_core::{AnyEstimator, Error, Grid, Spec, Value};
 
 use super::look::{CaptionWords, Look};
 use super::moment::Moment;

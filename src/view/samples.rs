@@ -1,7 +1,8 @@
 //! Steps of every estimator, and laws that hold for all of them.
 
-use motionscope_core::scene::{Math, Shown, latex};
-use motionscope_core::{AnyEstimator, Direction, Move, Scene, Step, estimators, examples};
+use motionscope_core::course::{estimators, examples};
+use motionscope_core::run::{AnyEstimator, Direction, Move};
+use motionscope_core::scene::{Math, Scene, Shown, Step, latex};
 
 use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Prepared};

@@ -390,8 +390,9 @@ fn grids(body: Rect, count: usize) -> Vec<(Option<Rect>, Vec<Rect>)> {
 mod tests {
     use std::sync::Arc;
 
-    use motionscope_core::scene::Picture;
-    use motionscope_core::{Frame, Grid, Scene};
+    use motionscope_core::data::Frame;
+    use motionscope_core::geometry::Grid;
+    use motionscope_core::scene::{Picture, Scene};
 
     use super::super::panes::{MATRICES, SERIES, TILES};
     use super::*;

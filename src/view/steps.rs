@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use motionscope_core::{Clip, Cursor, Direction, Error, Move, Walk};
+use motionscope_core::base::Error;
+use motionscope_core::data::Clip;
+use motionscope_core::run::{Cursor, Direction, Move, Walk};
 
 use super::look::Look;
 use super::moment::Viewer;

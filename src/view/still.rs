@@ -1,7 +1,10 @@
 //! One picture of a run, without a window: its result, or the step that is most worth seeing.
 
-use motionscope_core::scene::Picture;
-use motionscope_core::{Clip, Cursor, Error, Grid, Move, Role, Scene, Stop, Walk};
+use motionscope_core::base::{Error, Stop};
+use motionscope_core::data::Clip;
+use motionscope_core::geometry::Grid;
+use motionscope_core::run::{Cursor, Move, Walk};
+use motionscope_core::scene::{Picture, Role, Scene};
 
 use super::look::{CaptionWords, Look};
 use super::moment::Viewer;
@@ -98,7 +101,7 @@ fn where_it_searches(scene: &Scene) -> View {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::estimator;
+    use motionscope_core::course::estimator;
 
     use super::*;
     use crate::experiment::source::Source;

@@ -2,8 +2,8 @@
 
 use std::borrow::Borrow;
 
-use motionscope_core::scene::Series;
-use motionscope_core::{Error, Role};
+use motionscope_core::base::Error;
+use motionscope_core::scene::{Role, Series};
 
 use super::rendering::Format;
 use crate::experiment::comparison::{Column, Row};

@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use motionscope_core::products::{Assessment, Reference};
-use motionscope_core::scene::{Fact, Focus, Readout, Sentence};
-use motionscope_core::{
-    Beside, CandidateCount, Clip, Cursor, Frame, Info, Levels, Output, Role, Scene, Step, Streaks, Walk,
-};
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::products::{Assessment, Output, Reference, Streaks};
+use motionscope_core::run::{Beside, CandidateCount, Cursor, Info, Walk};
+use motionscope_core::scene::{Fact, Focus, Levels, Readout, Role, Scene, Sentence, Step};
 
 use crate::paint::{LevelShown, Pictures, Tint, View, grouped};
 

@@ -6,7 +6,7 @@ use std::thread;
 
 use eframe::egui::{ViewportCommand, ViewportEvent, ViewportId};
 use motionscope::media::camera::{CameraFeed, Cameras, Device, Format, Size, is_unsaved};
-use motionscope_core::{Error, Stop};
+use motionscope_core::base::{Error, Stop};
 
 use super::*;
 

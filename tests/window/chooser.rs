@@ -1,7 +1,8 @@
 //! The chooser of estimators.
 
 use eframe::egui::accesskit::Toggled;
-use motionscope_core::{Guarantee, estimators};
+use motionscope_core::course::estimators;
+use motionscope_core::run::Guarantee;
 
 use super::*;
 

@@ -4,7 +4,7 @@
 
 use std::path::PathBuf;
 
-use motionscope_core::estimators;
+use motionscope_core::course::estimators;
 
 use super::*;
 use files::write_to;

@@ -2,7 +2,7 @@
 
 use eframe::egui::accesskit::Action;
 use eframe::egui::{Color32, Shape};
-use motionscope_core::glossary::find as term;
+use motionscope_core::course::glossary::find as term;
 
 use super::*;
 

@@ -227,7 +227,7 @@ fn a_folder_with_truth_for_one_pair_opens_at_that_pair_and_says_so() {
 fn the_end_of_a_run_shows_the_scores_of_the_command_line() {
     for (estimator, clip) in [("kalman-tracker", "synth:traffic,frames=12"), ("full-search", "synth:pillar,frames=3")] {
         let mut window = Window::with(vec2(1440.0, 900.0), Start { open: Some(clip.into()) });
-        let wanted = motionscope_core::estimator(estimator).expect("it is there");
+        let wanted = motionscope_core::course::estimator(estimator).expect("it is there");
         window.command(Command::Palette);
         typed(&mut window, estimator);
         window.settle();
@@ -240,7 +240,7 @@ fn the_end_of_a_run_shows_the_scores_of_the_command_line() {
         let facts: Vec<(String, String)> =
             facts.expect("facts").iter().map(|fact| (fact.label.to_string(), fact.value.clone())).collect();
         let experiment = &shown.subject.experiment;
-        let threads = motionscope_core::Threads::single();
+        let threads = motionscope_core::base::Threads::single();
         let ran = experiment.estimator.run_counted(&shown.subject.clip, experiment.frame, &threads).expect("a run");
         let reference = motionscope_core::products::Reference { clip: &shown.subject.clip, frame: experiment.frame };
         for fact in ran.output.assess(&reference).expect("scores").facts {

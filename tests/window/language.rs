@@ -3,7 +3,7 @@
 //! Texts of estimators are read by `core/tests/language`, by the same rules.
 
 use motionscope::session::lesson::all;
-use motionscope_core::estimators;
+use motionscope_core::course::estimators;
 
 use super::*;
 

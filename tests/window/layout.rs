@@ -4,7 +4,7 @@
 use eframe::egui::Shape;
 use eframe::egui::epaint::{ClippedShape, TextShape};
 use motionscope::session::lesson::{self, Address};
-use motionscope_core::estimators;
+use motionscope_core::course::estimators;
 
 use super::*;
 use objects::window;

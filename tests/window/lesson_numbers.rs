@@ -5,9 +5,10 @@ use std::collections::BTreeSet;
 use motionscope::experiment::Prepared;
 use motionscope::experiment::pixel::{Chosen, Held};
 use motionscope::session::lesson::Page;
-use motionscope_core::products::{Assessment, Reference};
-use motionscope_core::scene::Fact;
-use motionscope_core::{Direction, Move, Output, Step, Walk, estimator};
+use motionscope_core::course::estimator;
+use motionscope_core::products::{Assessment, Output, Reference};
+use motionscope_core::run::{Direction, Move, Walk};
+use motionscope_core::scene::{Fact, Step};
 
 use super::*;
 

@@ -4,7 +4,7 @@ use super::*;
 use motionscope::view::moment::Viewer;
 use motionscope::view::panes::Selection;
 use motionscope::view::rendering::Rendering;
-use motionscope_core::Levels;
+use motionscope_core::scene::Levels;
 
 /// A window on a hierarchical search, on its first candidates.
 fn window(lines: &str) -> Window {
@@ -92,7 +92,7 @@ fn a_session_keeps_the_level_and_a_picture_is_what_is_shown() {
     let (clip, estimator) = (&shown.subject.clip, &*shown.subject.experiment.estimator);
     let reverse = Reverse::new(estimator, clip, 0);
     let mut viewer = Viewer::new(&shown.subject.experiment, clip, &look, &reverse).unwrap();
-    viewer.walk.jump(motionscope_core::Move::To(window.cursor()));
+    viewer.walk.jump(motionscope_core::run::Move::To(window.cursor()));
     let moment = viewer.moment(None).unwrap();
     let drawn = Rendering { moment: &moment, estimator, look: &look, panes: &Selection::default() }
         .encode(Format::Png, 1)

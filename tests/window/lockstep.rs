@@ -4,7 +4,7 @@ use super::*;
 use motionscope::view::moment::Viewer;
 use motionscope::view::panes::Selection;
 use motionscope::view::rendering::Rendering;
-use motionscope_core::Pace;
+use motionscope_core::run::Pace;
 
 fn names(window: &Window) -> Vec<&'static str> {
     window.shown().tiles.iter().map(|tile| tile.info.name).collect()
@@ -160,7 +160,7 @@ fn a_session_keeps_them_and_a_picture_is_what_is_shown() {
     let (clip, estimator) = (&shown.subject.clip, &*shown.subject.experiment.estimator);
     let reverse = Reverse::new(estimator, clip, shown.subject.experiment.frame);
     let mut viewer = Viewer::new(&shown.subject.experiment, clip, &look, &reverse).unwrap();
-    viewer.walk.jump(motionscope_core::Move::To(here));
+    viewer.walk.jump(motionscope_core::run::Move::To(here));
     let moment = viewer.moment(None).unwrap();
     let drawn = Rendering { moment: &moment, estimator, look: &look, panes: &Selection::default() }
         .encode(Format::Png, 1)

@@ -6,9 +6,9 @@ use motionscope::experiment::{Experiment, Position};
 use motionscope::paint::FlowLayer;
 use motionscope::session::Session;
 use motionscope::view::look::Changes;
-use motionscope_core::params::Kind;
+use motionscope_core::course::estimator;
+use motionscope_core::params::{Kind, Params, Spec};
 use motionscope_core::scene::Quantity;
-use motionscope_core::{Params, Spec, estimator};
 
 use super::files::command_line;
 use super::*;

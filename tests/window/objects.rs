@@ -2,7 +2,7 @@
 
 use motionscope::experiment::pixel::Held;
 use motionscope::ui::model::snapshot::Hold;
-use motionscope_core::Guarantee;
+use motionscope_core::run::Guarantee;
 use motionscope_core::scene::Shape;
 
 use super::*;
@@ -11,7 +11,7 @@ use super::*;
 pub fn window(estimator: &str, step: &str) -> Window {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("one.motionscope");
-    let scene = match motionscope_core::estimator(estimator).expect("an estimator").guarantee() {
+    let scene = match motionscope_core::course::estimator(estimator).expect("an estimator").guarantee() {
         Guarantee::SceneFlow => "drive",
         _ => "traffic",
     };

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use motionscope::session::lesson::all;
 use motionscope::ui::model::predict::Score;
-use motionscope_core::estimators;
+use motionscope_core::course::estimators;
 use motionscope_core::scene::{Asked, Question};
 
 use super::*;

@@ -1,7 +1,7 @@
 //! The start page, and the hint for a new user.
 
 use motionscope::session::lesson::{all, chapters};
-use motionscope_core::estimators;
+use motionscope_core::course::estimators;
 use motionscope_core::synth::SCENES;
 
 use super::*;

@@ -47,7 +47,7 @@ pub fn is_command(c: char) -> bool {
 /// `text` as a terminal may show it: lines and tabs stay, and each other character that a terminal would obey is a `�`.
 ///
 /// ```
-/// assert_eq!(motionscope_core::printable("a\u{1B}]0;title\u{7}\n\tb"), "a�]0;title�\n\tb");
+/// assert_eq!(motionscope_core::base::printable("a\u{1B}]0;title\u{7}\n\tb"), "a�]0;title�\n\tb");
 /// ```
 pub fn printable(text: &str) -> String {
     text.replace("\r\n", "\n").chars().map(|c| if is_command(c) { char::REPLACEMENT_CHARACTER } else { c }).collect()

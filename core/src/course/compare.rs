@@ -231,9 +231,10 @@ fn kept(a: &Output, b: &Output, shift: [f32; 2]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::course::estimators;
     use crate::geometry::Grid;
+    use crate::products::BlockField;
     use crate::run::{Cursor, Move};
-    use crate::{BlockField, estimators};
 
     fn clip() -> Clip {
         crate::synth::make(crate::synth::SCENES[0].id, &crate::synth::SCENES[0].difficulty()).expect("a scene")

@@ -98,7 +98,7 @@ impl fmt::Display for Chapter {
 /// The term with this name or alias, without regard to case; hyphens and dashes are the same.
 ///
 /// ```
-/// let term = motionscope_core::glossary::find("Horn-Schunck").expect("it is in the glossary");
+/// let term = motionscope_core::course::glossary::find("Horn-Schunck").expect("it is in the glossary");
 /// assert_eq!(term.name, "Horn–Schunck method");
 /// ```
 pub fn find(word: &str) -> Option<&'static Term> {
@@ -131,7 +131,7 @@ const SENSES: [(&str, &str, &str); 3] = [
 /// The term that is meant by `term` in a text of an estimator of this family.
 ///
 /// ```
-/// use motionscope_core::glossary::{find, in_family};
+/// use motionscope_core::course::glossary::{find, in_family};
 ///
 /// let hypothesis = find("hypotheses").expect("it is in the glossary");
 /// assert_eq!(in_family(hypothesis, "Region tracking").name, "state hypothesis");
@@ -170,7 +170,7 @@ fn unknown(word: &str) -> String {
 /// to the length of the text.
 ///
 /// ```
-/// use motionscope_core::glossary::occurrences;
+/// use motionscope_core::course::glossary::occurrences;
 ///
 /// let text = "Both eigenvalues of the structure tensor are large.";
 /// let found: Vec<_> = occurrences(text).into_iter().map(|(range, term)| (&text[range], term.name)).collect();

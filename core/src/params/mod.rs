@@ -514,7 +514,7 @@ macro_rules! inner_params {
                 self.0.value(index)
             }
 
-            fn set_value(&mut self, index: usize, value: $crate::params::Value) -> Result<(), $crate::Error> {
+            fn set_value(&mut self, index: usize, value: $crate::params::Value) -> Result<(), $crate::base::Error> {
                 self.0.set_value(index, value)
             }
 
@@ -547,7 +547,7 @@ pub(crate) use inner_params;
 ///         twice: bool = false;
 ///     }
 /// }
-/// use motionscope_core::Params;
+/// use motionscope_core::params::Params;
 /// let mut blur = Blur::default();
 /// blur.set("twice", "on").unwrap();
 /// assert_eq!(blur.set("sigma-px", "9").unwrap_err().to_string(), "sigma-px must be 0.5 to 8 px, not 9");
@@ -690,7 +690,7 @@ macro_rules! params {
                 $crate::params::Field::value_of(self, index)
             }
 
-            fn set_value(&mut self, index: usize, value: $crate::params::Value) -> Result<(), $crate::Error> {
+            fn set_value(&mut self, index: usize, value: $crate::params::Value) -> Result<(), $crate::base::Error> {
                 let value = $crate::params::Params::specs(self)[index].check(value)?;
                 $crate::params::Field::put(self, index, value);
                 Ok(())

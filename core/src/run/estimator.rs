@@ -7,8 +7,7 @@ use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::Clip;
 use crate::params::Params;
 use crate::products::{Output, ProductKind};
-use crate::pseudocode;
-use crate::scene::{Chart, Focus, Line, Name, Picture, Question, Role, Scene, Step};
+use crate::scene::{Chart, Focus, Line, Name, Picture, Question, Role, Scene, Step, pseudocode};
 
 /// The declaration of an estimator.
 #[derive(Debug, PartialEq, Eq)]

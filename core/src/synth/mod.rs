@@ -9,13 +9,14 @@
 //! seed and position, and all elementary functions are our own.
 //!
 //! ```
-//! use motionscope_core::{Params, synth};
+//! use motionscope_core::synth;
+//! use motionscope_core::params::Params;
 //! let scene = synth::scene("pillar")?;
 //! let mut difficulty = scene.difficulty();
 //! difficulty.set("noise", "5")?;
 //! let clip = scene.clip(&difficulty)?;
 //! assert_eq!(clip.frame(3)?.size(), (320, 240));
-//! # Ok::<(), motionscope_core::Error>(())
+//! # Ok::<(), motionscope_core::base::Error>(())
 //! ```
 
 mod camera;

@@ -3,8 +3,12 @@
 
 use std::sync::Arc;
 
-use motionscope_core::objects::score::{Scores, scores};
-use motionscope_core::{AnyEstimator, Bounds, Clip, Detection, ObjectBox, ObjectField, Threads};
+use motionscope_core::base::Threads;
+use motionscope_core::data::{Clip, Detection, ObjectBox};
+use motionscope_core::geometry::Bounds;
+use motionscope_core::products::ObjectField;
+use motionscope_core::products::objects::score::{Scores, scores};
+use motionscope_core::run::AnyEstimator;
 
 use super::common::{Objects, set};
 

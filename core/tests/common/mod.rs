@@ -3,13 +3,17 @@
 
 use std::sync::Arc;
 
-use motionscope_core::examples::Example;
-use motionscope_core::pseudocode::Line;
-use motionscope_core::scene::Focus;
-use motionscope_core::{
-    AnyEstimator, Border, Clip, Cursor, Direction, Error, Flow, Frame, Gray, Grid, Info, Move, ObjectBox, Params as _,
-    Threads, Truth, Walk, estimator, metrics, scene, synth,
-};
+use motionscope_core::base::{Error, Threads};
+use motionscope_core::course::estimator;
+use motionscope_core::course::examples::Example;
+use motionscope_core::data::{Clip, Flow, Frame, ObjectBox, Truth};
+use motionscope_core::geometry::{Border, Gray, Grid};
+use motionscope_core::params::Params as _;
+use motionscope_core::products::metrics;
+use motionscope_core::run::{AnyEstimator, Cursor, Direction, Info, Move, Walk};
+use motionscope_core::scene::pseudocode::Line;
+use motionscope_core::scene::{self, Focus};
+use motionscope_core::synth;
 
 /// A truth that knows objects alone, by frame.
 pub struct Objects(pub Vec<Vec<ObjectBox>>);

@@ -1,6 +1,7 @@
 //! Clips of a street as a cheap camera sees it, with true masks: shake, noise, flicker, cast shadows and a tree in the wind.
 
-use motionscope_core::{Bounds, Clip, Frame, Grid, Mask};
+use motionscope_core::data::{Clip, Frame, Mask};
+use motionscope_core::geometry::{Bounds, Grid};
 
 /// The difficulties of a rough clip.
 #[derive(Clone, Copy, Debug)]

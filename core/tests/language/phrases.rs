@@ -1,6 +1,6 @@
 //! What estimators say is the language of the field: no phrase that a textbook would not print, and numbers by one rule.
 
-use motionscope_core::glossary;
+use motionscope_core::course::glossary;
 
 use crate::rules;
 use crate::walks::ALL;

@@ -3,9 +3,10 @@
 
 use std::collections::BTreeSet;
 
-use motionscope_core::pseudocode::Name;
-use motionscope_core::scene::Sentence;
-use motionscope_core::{Info, Step, pseudocode};
+use motionscope_core::pseudocode;
+use motionscope_core::run::Info;
+use motionscope_core::scene::pseudocode::Name;
+use motionscope_core::scene::{Sentence, Step};
 
 use crate::common::toy;
 use crate::walks::{ALL, Seen};

@@ -1,7 +1,8 @@
 //! Laws about the questions of every estimator: each is asked, each of its answers is one that a run gives.
 
-use motionscope_core::scene::{Asked, Question, Reply, Unit};
-use motionscope_core::{Info, Step, pseudocode, variables};
+use motionscope_core::run::Info;
+use motionscope_core::scene::{Asked, Question, Reply, Step, Unit};
+use motionscope_core::{pseudocode, variables};
 
 use crate::common::toy;
 use crate::rules;

@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use motionscope_core::params::{Kind, Spec};
-use motionscope_core::scene::{Readout, Scene, Shape, Value};
-use motionscope_core::{AnyEstimator, Step};
+use motionscope_core::run::AnyEstimator;
+use motionscope_core::scene::{Readout, Scene, Shape, Step, Value};
 
 /// Texts by where they stand (`sentence`, `fact`, `parameter`), each once: without its numbers.
 #[derive(Default)]

@@ -3,13 +3,14 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, LazyLock};
 
-use motionscope_core::params::{Kind, Placed, Spec, Spot, Value};
-use motionscope_core::pseudocode::{Line, Name, is_heading};
-use motionscope_core::scene::{Asked, Focus, Question, Role, Shown, asked};
-use motionscope_core::{
-    AnyEstimator, Bounds, Clip, Cursor, Detection, Direction, Frame, Grid, Guarantee, Info, Move, ObjectBox, Params,
-    Step, Walk, estimators, synth,
-};
+use motionscope_core::course::estimators;
+use motionscope_core::data::{Clip, Detection, Frame, ObjectBox};
+use motionscope_core::geometry::{Bounds, Grid};
+use motionscope_core::params::{Kind, Params, Placed, Spec, Spot, Value};
+use motionscope_core::run::{AnyEstimator, Cursor, Direction, Guarantee, Info, Move, Walk};
+use motionscope_core::scene::pseudocode::{Line, Name, is_heading};
+use motionscope_core::scene::{Asked, Focus, Question, Role, Shown, Step, asked};
+use motionscope_core::synth;
 use rayon::prelude::*;
 
 use crate::common::{Objects, waves};

@@ -35,7 +35,7 @@ impl Column {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::examples::{Limit, examples};
+    use motionscope_core::course::examples::{Limit, examples};
     use motionscope_core::products::{EPE, PSNR};
 
     use super::*;

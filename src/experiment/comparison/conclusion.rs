@@ -2,8 +2,8 @@
 
 use std::borrow::Borrow;
 
+use motionscope_core::base::words::{capital, fixed, grouped};
 use motionscope_core::products::Better;
-use motionscope_core::{capital, fixed, grouped};
 
 use super::best::SAME_TIME;
 use super::{Column, From, Row, all_columns};

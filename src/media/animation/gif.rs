@@ -13,7 +13,9 @@ use flate2::Compression;
 use flate2::read::ZlibDecoder;
 use flate2::write::ZlibEncoder;
 use gif::{ColorOutput, DecodeOptions, DecodingError, DisposalMethod, MemoryLimit};
-use motionscope_core::{Error, Frame, Grid, Stop};
+use motionscope_core::base::{Error, Stop};
+use motionscope_core::data::Frame;
+use motionscope_core::geometry::Grid;
 
 use super::scan::{Piece, Scan};
 use crate::media::{Decoder, MAX_AREA_PX, cannot_read, picture, reason};

@@ -13,7 +13,8 @@ use std::thread;
 use image::codecs::png::PngDecoder;
 use image::codecs::webp::WebPDecoder;
 use image::{AnimationDecoder, Frames, ImageDecoder, ImageResult, RgbaImage};
-use motionscope_core::{ClipInfo, Error, Frame, Stop};
+use motionscope_core::base::{Error, Stop};
+use motionscope_core::data::{ClipInfo, Frame};
 
 use self::scan::Scan;
 use super::{Decoder, Open, Source, cannot_read, catch_panic, check_size, name_of, picture, reason, stills};

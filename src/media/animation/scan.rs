@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 use super::Format;
 use crate::media::{Open, cannot_read};

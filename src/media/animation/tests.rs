@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use image::AnimationDecoder;
 use image::codecs::gif::{GifEncoder, Repeat};
 use image::{Delay, ExtendedColorType};
-use motionscope_core::Clip;
+use motionscope_core::data::Clip;
 use proptest::prelude::*;
 
 use super::*;

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use motionscope_core::{Error, Stop};
+use motionscope_core::base::{Error, Stop};
 
 use super::devices::described;
 use super::{CameraFeed, Cameras, Device, Format, Platform, Size, Stream, TestPicture};

@@ -1,6 +1,7 @@
 //! The format of the frames of a feed.
 
-use motionscope_core::{Error, Frame};
+use motionscope_core::base::Error;
+use motionscope_core::data::Frame;
 
 use crate::media::check_size;
 use crate::media::video::y4m::Header;

@@ -11,7 +11,7 @@ mod reading;
 mod stream;
 mod test_picture;
 
-use motionscope_core::{Error, Stop};
+use motionscope_core::base::{Error, Stop};
 use serde::{Deserialize, Serialize};
 
 pub use devices::Platform;

@@ -5,7 +5,8 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use motionscope_core::{Error, Frame, Stop};
+use motionscope_core::base::{Error, Stop};
+use motionscope_core::data::Frame;
 
 use super::{CameraFeed, Format};
 

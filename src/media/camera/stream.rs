@@ -5,7 +5,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use motionscope_core::{Error, Stop};
+use motionscope_core::base::{Error, Stop};
 
 use super::{CameraFeed, Format};
 use crate::media::video::y4m::MAX_LINE_BYTES;

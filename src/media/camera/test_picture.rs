@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use motionscope_core::{Error, Stop};
+use motionscope_core::base::{Error, Stop};
 
 use super::{CameraFeed, Format, Size};
 

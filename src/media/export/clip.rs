@@ -3,7 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use motionscope_core::{Calibration, Clip, Error, Frame, Grid, PixelClass, TrueMask, Truth, Viewpoint};
+use motionscope_core::base::Error;
+use motionscope_core::data::{Calibration, Clip, Frame, PixelClass, TrueMask, Truth, Viewpoint};
+use motionscope_core::geometry::Grid;
 
 use super::save::not_made;
 use super::written_files::WrittenFiles;

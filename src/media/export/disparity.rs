@@ -1,6 +1,7 @@
 //! Disparities as PFM, and as KITTI keeps them.
 
-use motionscope_core::{Disparity, Error};
+use motionscope_core::base::Error;
+use motionscope_core::data::Disparity;
 
 use super::Kitti;
 use super::picture::{Pixels, png, png_result};
@@ -53,7 +54,7 @@ fn encode(Disparity(map): &Disparity, png: fn(usize, usize, Pixels) -> Result<Ve
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::Grid;
+    use motionscope_core::geometry::Grid;
 
     use super::*;
 

@@ -1,6 +1,6 @@
 //! Middlebury's `.flo`.
 
-use motionscope_core::Flow;
+use motionscope_core::data::Flow;
 
 /// What a pixel of unknown motion holds in a `.flo`: any magnitude above 1e9 says so.
 const UNKNOWN: f32 = 1e10;
@@ -23,7 +23,7 @@ pub fn flo(flow: &Flow) -> Vec<u8> {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::Grid;
+    use motionscope_core::geometry::Grid;
 
     use super::*;
 

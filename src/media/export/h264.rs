@@ -7,7 +7,8 @@ use std::sync::mpsc::channel;
 use std::time::Duration;
 use std::{env, fs, thread};
 
-use motionscope_core::{Clip, Error, Frame};
+use motionscope_core::base::Error;
+use motionscope_core::data::{Clip, Frame};
 
 use super::save::save_file;
 use crate::media::helper::{Watched, program, read_messages};
@@ -201,7 +202,8 @@ mod tests {
     use std::path::PathBuf;
     use std::sync::Mutex;
 
-    use motionscope_core::{Grid, synth};
+    use motionscope_core::geometry::Grid;
+    use motionscope_core::synth;
 
     use super::*;
     use crate::media::{Open, open};

@@ -1,6 +1,7 @@
 //! KITTI's flow as a 16-bit PNG.
 
-use motionscope_core::{Error, Flow};
+use motionscope_core::base::Error;
+use motionscope_core::data::Flow;
 
 use super::picture::{Pixels, png, png_result};
 
@@ -53,7 +54,7 @@ fn code(component_px: f32) -> Option<u16> {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::Grid;
+    use motionscope_core::geometry::Grid;
 
     use super::*;
 

@@ -7,7 +7,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{BufReader, Write};
 use std::path::Path;
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 use super::save::{cannot_write, save};
 use super::written_files::hash;
@@ -93,7 +93,7 @@ mod tests {
         fs::write(at("made.png"), png_result(3, 2, gray).unwrap()).unwrap();
         fs::write(at("known.png"), png(3, 2, gray).unwrap()).unwrap();
         assert_eq!(["made.png", "known.png", "gone.png"].map(|name| is_result(&at(name))), [true, false, false]);
-        let flow = motionscope_core::Flow(motionscope_core::Grid::new(2, 2, [1.0, 0.0]));
+        let flow = motionscope_core::data::Flow(motionscope_core::geometry::Grid::new(2, 2, [1.0, 0.0]));
         fs::write(at("flow.png"), kitti_result(&flow).unwrap().bytes).unwrap();
         assert!(is_result(&at("flow.png")));
 

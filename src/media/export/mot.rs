@@ -1,6 +1,6 @@
 //! Tracks of objects as MOTChallenge rows.
 
-use motionscope_core::ObjectBox;
+use motionscope_core::data::ObjectBox;
 
 /// `frames` of objects as a `gt.txt`: frame, id, left, top, width, height, 1, class 1, visibility; frames and pixels
 /// counted from 1 (Milan et al., MOT16: A Benchmark for Multi-Object Tracking, 2016).

@@ -1,6 +1,6 @@
 //! NumPy arrays.
 
-use motionscope_core::Flow;
+use motionscope_core::data::Flow;
 
 /// `flow` as an `.npy` of version 1.0: little-endian f32 of shape (height, width, 2), u before v in px/frame, NaN where
 /// the motion is not known.
@@ -26,7 +26,7 @@ pub fn npy_of(kind: &str, shape: &str, data: impl Iterator<Item = u8>) -> Vec<u8
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::Grid;
+    use motionscope_core::geometry::Grid;
 
     use super::*;
 

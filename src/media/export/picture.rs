@@ -1,6 +1,6 @@
 //! Pictures as PNG.
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 use super::mark::SOFTWARE;
 

@@ -5,7 +5,7 @@ use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 use crate::media::temporary;
 

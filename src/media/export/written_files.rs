@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Component, Path};
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 use super::save;
 

@@ -3,7 +3,8 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use motionscope_core::{Calibration, Error};
+use motionscope_core::base::Error;
+use motionscope_core::data::Calibration;
 
 use crate::media::input;
 use crate::media::names::file_name;

@@ -1,6 +1,8 @@
 //! Frames that show both views beside each other.
 
-use motionscope_core::{ClipInfo, Error, Frame, Grid, Stop};
+use motionscope_core::base::{Error, Stop};
+use motionscope_core::data::{ClipInfo, Frame};
+use motionscope_core::geometry::Grid;
 
 use crate::media::{Decoder, Source};
 

@@ -7,7 +7,8 @@ mod halves;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use motionscope_core::{Calibration, Clip, Error};
+use motionscope_core::base::Error;
+use motionscope_core::data::{Calibration, Clip};
 
 use super::input::Input;
 use super::names::file_name;

@@ -4,8 +4,10 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek};
 use std::path::Path;
 
+use motionscope_core::base::Error;
+use motionscope_core::data::{Disparity, Flow, PixelClass, TrueMask};
+use motionscope_core::geometry::Grid;
 use motionscope_core::products::model::{Matrix3, mapped, oriented};
-use motionscope_core::{Disparity, Error, Flow, Grid, PixelClass, TrueMask};
 use png::{BitDepth, ColorType, Transformations};
 
 use super::file_error;

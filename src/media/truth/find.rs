@@ -5,7 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use motionscope_core::{Error, Truth};
+use motionscope_core::base::Error;
+use motionscope_core::data::Truth;
 
 use super::{Files, Objects, Subject, field, file_error, mot, region};
 use crate::media::export::is_result;
@@ -411,7 +412,8 @@ fn list(folder: &Path, fits: impl Fn(&Path) -> bool) -> Vec<PathBuf> {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::{Clip, Disparity, Flow, Grid, ObjectBox};
+    use motionscope_core::data::{Clip, Disparity, Flow, ObjectBox};
+    use motionscope_core::geometry::Grid;
 
     use super::*;
     use crate::media::export::{self, Pixels};
@@ -676,7 +678,7 @@ mod tests {
 
     #[test]
     fn foreground_lies_where_changedetection_has_it() {
-        use motionscope_core::PixelClass::{Background, Foreground, Ignored, Shadow};
+        use motionscope_core::data::PixelClass::{Background, Foreground, Ignored, Shadow};
         let folder = tempfile::tempdir().unwrap();
         let levels = [0, 50, 85, 170, 255, 255, 0, 0, 0, 0, 0, 0];
         for t in [1, 2] {

@@ -11,7 +11,9 @@ use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use motionscope_core::{Disparity, Error, Flow, Grid, ObjectBox, TrueMask, Truth};
+use motionscope_core::base::Error;
+use motionscope_core::data::{Disparity, Flow, ObjectBox, TrueMask, Truth};
+use motionscope_core::geometry::Grid;
 
 use super::names::file_name;
 use super::sequence::parent;

@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
-use motionscope_core::{Error, ObjectBox};
+use motionscope_core::base::Error;
+use motionscope_core::data::ObjectBox;
 
 use super::file_error;
 use crate::media::{input, table};

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
-use motionscope_core::ClipInfo;
+use motionscope_core::data::ClipInfo;
 
 use crate::media::names::{file_name, stem};
 use crate::media::sequence::{number, parent};

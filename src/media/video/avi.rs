@@ -2,7 +2,7 @@
 //!
 //! The walk needs no index, so that interrupted recordings open too; OpenDML's further `RIFF`s are met like the first.
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 use super::bytes::{Bytes, text};
 use super::coded::{MAX_SAMPLES, Sample, Track};
@@ -161,7 +161,7 @@ fn describe(strh: &[u8], strf: &[u8]) -> Option<Track> {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::{ClipInfo, Frame};
+    use motionscope_core::data::{ClipInfo, Frame};
 
     use super::*;
     use crate::media::video;
@@ -202,7 +202,7 @@ mod tests {
         let mut source = video::open("test.avi".as_ref(), video::Format::Avi, input, &options)?;
         let mut frames = Vec::new();
         for index in (0..source.info.frames.unwrap()).rev() {
-            source.decoder.decode(index, &motionscope_core::Stop::default(), &mut |at, frame| {
+            source.decoder.decode(index, &motionscope_core::base::Stop::default(), &mut |at, frame| {
                 assert_eq!(at, index);
                 frames.insert(0, frame);
             })?;

@@ -2,7 +2,8 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use motionscope_core::{Error, Frame, Stop};
+use motionscope_core::base::{Error, Stop};
+use motionscope_core::data::Frame;
 
 use super::color::Picture;
 use super::turn::Turn;

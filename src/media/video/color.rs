@@ -1,7 +1,9 @@
 //! From luma and chroma planes to a frame.
 
 use crate::media::reason;
-use motionscope_core::{Error, Frame, Grid};
+use motionscope_core::base::Error;
+use motionscope_core::data::Frame;
+use motionscope_core::geometry::Grid;
 use yuv::{YuvPlanarImage, YuvRange, YuvStandardMatrix};
 
 /// How chroma is sampled.

@@ -10,7 +10,9 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use motionscope_core::{ClipInfo, Error, Frame, Grid, Stop};
+use motionscope_core::base::{Error, Stop};
+use motionscope_core::data::{ClipInfo, Frame};
+use motionscope_core::geometry::Grid;
 use serde::Deserialize;
 
 use super::FfmpegReason;

@@ -1,6 +1,6 @@
 //! H.264, as MP4 and Matroska hold it: parameter sets apart, units behind their length.
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 use rust_h264::decoder::{ChromaFormat, Decoder, Frame};
 use rust_h264::error::DecodeError;
 use rust_h264::nal::{NalUnit, NalUnitType, SpsInfo, parse_avcc, parse_avcc_config, parse_sps_info};

@@ -1,6 +1,6 @@
 //! Matroska and WebM: one walk from block to block finds the video track's samples.
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 use super::bytes::Bytes;
 use super::coded::{MAX_SAMPLES, Sample, Track};

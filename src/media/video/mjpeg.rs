@@ -5,7 +5,9 @@ use std::io::Cursor;
 
 use image::codecs::jpeg::JpegDecoder;
 use image::{DynamicImage, ImageDecoder};
-use motionscope_core::{Error, Frame, Grid};
+use motionscope_core::base::Error;
+use motionscope_core::data::Frame;
+use motionscope_core::geometry::Grid;
 
 use super::coded::{Codec, MAX_SAMPLES, Sample, Track};
 use super::color::Picture;

@@ -20,7 +20,8 @@ use std::collections::BTreeSet;
 
 use std::path::Path;
 
-use motionscope_core::{ClipInfo, Error};
+use motionscope_core::base::Error;
+use motionscope_core::data::ClipInfo;
 
 use super::catch_panic::catch_panic;
 use super::input::Input;

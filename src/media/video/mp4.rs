@@ -1,6 +1,6 @@
 //! MP4 and QuickTime: boxes, and the video track in them.
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 use super::bytes::{Bytes, text};
 use super::coded::Track;

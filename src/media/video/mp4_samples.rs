@@ -1,6 +1,6 @@
 //! MP4's sample tables and fragments, made into one list.
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 use super::bytes::Bytes;
 use super::coded::{MAX_SAMPLES, Sample};

@@ -1,6 +1,8 @@
 //! Uncompressed video as AVI holds it, behind Windows' `BITMAPINFOHEADER`.
 
-use motionscope_core::{Error, Frame, Grid};
+use motionscope_core::base::Error;
+use motionscope_core::data::Frame;
+use motionscope_core::geometry::Grid;
 
 use super::bytes::{Bytes, text};
 use super::coded::Codec;

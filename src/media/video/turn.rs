@@ -1,6 +1,7 @@
 //! Quarter turns and mirrors, as a camera notes them beside upright pixels.
 
-use motionscope_core::{Frame, Grid};
+use motionscope_core::data::Frame;
+use motionscope_core::geometry::Grid;
 
 /// How a stored picture is turned to be shown: shown x = a·x + c·y, shown y = b·x + d·y, each of -1, 0 or 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! VP9.
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 use rusty_vp9::{BitReader, DecodedFrame, FrameHeader, Vp9Decoder, parse_uncompressed_header};
 
 use super::coded::Codec;

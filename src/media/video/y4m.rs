@@ -3,7 +3,8 @@
 //! Frame headers may have parameters of their own, so the file is walked once from header to header; after that any
 //! frame is one read away.
 
-use motionscope_core::{ClipInfo, Error, Frame, Stop};
+use motionscope_core::base::{Error, Stop};
+use motionscope_core::data::{ClipInfo, Frame};
 
 use super::color::{Chroma, Colors, Matrix, Yuv};
 use crate::media::input::Input;
@@ -251,7 +252,7 @@ fn walk(
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::Grid;
+    use motionscope_core::geometry::Grid;
     use proptest::prelude::*;
 
     use super::*;

@@ -58,7 +58,7 @@ impl Cell {
         canvas.across(ends, y.place(0.0), chrome.dim);
         for (_, value) in &series.thresholds {
             let [left, right] = ends.map(|x| [x, y.place(*value)]);
-            let color = theme.word(motionscope_core::Role::Rejected);
+            let color = theme.word(motionscope_core::scene::Role::Rejected);
             canvas.line(vec![left, right], false, Stroke { dash: THRESHOLD, ..solid(1.5, color) });
         }
         if rect.size()[1] > NAMED * dim.size {

@@ -1,7 +1,6 @@
 //! A drawing of lines, nodes and words in a plane of its own: a tree, a ring.
 
-use motionscope_core::Role;
-use motionscope_core::scene::Diagram;
+use motionscope_core::scene::{Diagram, Role};
 
 use super::super::primitive::{Anchor, Point, Primitive, Rect};
 use super::super::{Color, Theme};

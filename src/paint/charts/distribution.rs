@@ -1,7 +1,6 @@
 //! How often a quantity has each value: bars, and the figures that sum them up.
 
-use motionscope_core::Role;
-use motionscope_core::scene::Distribution;
+use motionscope_core::scene::{Distribution, Role};
 
 use super::super::primitive::{Anchor, Point, Primitive, Rect, Stroke};
 use super::super::{Theme, grouped, labels, number};

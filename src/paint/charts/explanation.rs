@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
-use motionscope_core::glossary::{Term, occurrences};
-use motionscope_core::scene::{Fact, Math, Sentence, Variable};
-use motionscope_core::{Info, Role, Step, pseudocode as code};
+use motionscope_core::course::glossary::{Term, occurrences};
+use motionscope_core::run::Info;
+use motionscope_core::scene::pseudocode as code;
+use motionscope_core::scene::{Fact, Math, Role, Sentence, Step, Variable};
 
 use super::super::legend::{self, SWATCH, Sample};
 use super::super::marks::own_color;
@@ -460,8 +461,8 @@ pub fn citation(source: &str, width: f32, theme: Theme) -> Block {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::scene::{Readout, Unit};
-    use motionscope_core::{Role, estimator};
+    use motionscope_core::course::estimator;
+    use motionscope_core::scene::{Readout, Role, Unit};
 
     use super::super::super::ColorMap;
     use super::super::texts;
@@ -474,7 +475,7 @@ mod tests {
         LOWEST: "Best so far", "m", Unit::WHOLE;
     }
 
-    fn step(line: motionscope_core::pseudocode::Name) -> Step {
+    fn step(line: motionscope_core::scene::pseudocode::Name) -> Step {
         let facts = vec![
             Fact::new("Best so far", "812 at (−3, 2)", Some(Role::Best)),
             Fact::new("Where", "a value that is so long that it finds room only below what it is a value of", None),
@@ -581,7 +582,7 @@ mod tests {
     #[test]
     fn a_number_that_differs_from_the_step_before_is_lit() {
         let row = |cost: i32| {
-            let step = Step::at(motionscope_core::pseudocode::Name::new(b"test"));
+            let step = Step::at(motionscope_core::scene::pseudocode::Name::new(b"test"));
             step.put(value::COST, cost).put(value::LOWEST, 900).formula("{cost} < {lowest}").formulas().to_vec()
         };
         let facts = |value: &str| [Fact::new("Candidate", value, None), Fact::new("Best so far", "812", None)];

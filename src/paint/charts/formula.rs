@@ -2,8 +2,7 @@
 
 use std::borrow::Cow;
 
-use motionscope_core::Role;
-use motionscope_core::scene::{Math, Variable};
+use motionscope_core::scene::{Math, Role, Variable};
 
 use super::super::primitive::{Anchor, Line, Point, Primitive, Rect, Run};
 use super::super::{Face, Theme, fonts};

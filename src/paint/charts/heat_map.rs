@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use motionscope_core::scene::{BetweenPixels, Surface};
-use motionscope_core::{Grid, Role, fixed};
+use motionscope_core::base::words::fixed;
+use motionscope_core::geometry::Grid;
+use motionscope_core::scene::{BetweenPixels, Role, Surface};
 
 use super::super::primitive::{Anchor, Primitive, Rect};
 use super::super::{Color, ColorMap, Theme, grouped, number};

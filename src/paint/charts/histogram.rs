@@ -1,6 +1,8 @@
 //! How many blocks have each displacement: a map of counts, and the fullest bins by their displacements.
 
-use motionscope_core::{Histogram, Role, fixed};
+use motionscope_core::base::words::fixed;
+use motionscope_core::data::Histogram;
+use motionscope_core::scene::Role;
 
 use super::super::primitive::{Anchor, Point, Primitive, Rect, Run};
 use super::super::{Color, ColorMap, Face, Theme, grouped, number};
@@ -246,7 +248,7 @@ fn list(canvas: &mut Canvas, map: &Map, (area, histogram): (Rect, &Histogram), s
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::Counted;
+    use motionscope_core::data::Counted;
 
     use super::super::{flat, texts};
     use super::*;

@@ -1,7 +1,8 @@
 //! Matrices with the numbers of a step, side by side; what the step has changed is lit.
 
+use motionscope_core::base::words::fixed;
+use motionscope_core::geometry::Grid;
 use motionscope_core::scene::{Math, Matrix};
-use motionscope_core::{Grid, fixed};
 
 use super::super::number::with_power;
 use super::super::primitive::{Anchor, Point, Rect, Run};

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use motionscope_core::scene::{Constraint, Plane, PlaneCost, Spread};
-use motionscope_core::{Grid, Role, fixed};
+use motionscope_core::base::words::fixed;
+use motionscope_core::geometry::Grid;
+use motionscope_core::scene::{Constraint, Plane, PlaneCost, Role, Spread};
 
 use super::super::primitive::{Anchor, Point, Primitive, Rect, Run};
 use super::super::{Color, Face, Ink, Theme, labels as tick_labels, legend, marks, number, region_color};

@@ -154,7 +154,7 @@ fn axes(canvas: &mut Canvas, square: &Square, regions: &Regions, theme: Theme) {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::Role;
+    use motionscope_core::scene::Role;
 
     use super::super::super::ColorMap;
     use super::super::{flat, texts};

@@ -5,8 +5,7 @@ mod head;
 
 pub use head::head;
 use head::{GAP_LETTERS, ROW, band_color, band_name, figure, title};
-use motionscope_core::Role;
-use motionscope_core::scene::{Band, Series};
+use motionscope_core::scene::{Band, Role, Series};
 
 use super::super::primitive::{Anchor, Point, Primitive, Rect, Stroke};
 use super::super::{Color, Face, Theme, labels, number};

@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use glam::{Mat3, Vec3};
-use motionscope_core::{Floor, Frame, Grid, Role, Stack};
+use motionscope_core::data::Frame;
+use motionscope_core::geometry::Grid;
+use motionscope_core::scene::{Floor, Role, Stack};
 
 use super::super::primitive::{Anchor, Point, Primitive, Rect, Stroke};
 use super::super::{Panel, Pictures, Share, Theme, number, reduced};
@@ -366,7 +368,7 @@ fn distance(a: Point, b: Point) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::Levels;
+    use motionscope_core::scene::Levels;
 
     use super::super::super::ColorMap;
     use super::super::{flat, texts};
@@ -374,7 +376,7 @@ mod tests {
 
     fn stack() -> Stack {
         let frame = |side: usize| Arc::new(Frame::gray(Grid::new(2 * side, side, 200)));
-        let level = |side| motionscope_core::Level::new([frame(side), frame(side)]);
+        let level = |side| motionscope_core::scene::Level::new([frame(side), frame(side)]);
         let floor = |edge: f32, vector| Floor { at_hand: Some([[edge; 2], [edge + 8.0; 2]]), vector };
         Stack {
             levels: Levels { all: [40, 20, 10].map(level).into(), at_work: 1 },
@@ -400,7 +402,8 @@ mod tests {
     fn pictures_of_one_size_stand_above_each_other_under_their_names() {
         let mut stack = stack();
         let frame = Arc::clone(&stack.levels.all[0].pair[0]);
-        let level = |name: &str| motionscope_core::Level::new([frame.clone(), frame.clone()]).named(name.to_owned());
+        let level =
+            |name: &str| motionscope_core::scene::Level::new([frame.clone(), frame.clone()]).named(name.to_owned());
         stack.levels.all = ["G₁", "G₂", "G₃"].map(level).into();
         let bench = Bench::new(&stack);
         assert_eq!((bench.half(0), bench.half(0)), (bench.half(1), bench.half(2)));

@@ -1,6 +1,7 @@
 //! A table of numbers for print: given, left out to be filled in, or filled in.
 
-use motionscope_core::{Grid, Role};
+use motionscope_core::geometry::Grid;
+use motionscope_core::scene::Role;
 
 use super::super::primitive::{Anchor, Rect};
 use super::super::{Face, Theme};

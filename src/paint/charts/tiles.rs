@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use motionscope_core::scene::Tile;
-use motionscope_core::{Grid, Role};
+use motionscope_core::geometry::Grid;
+use motionscope_core::scene::{Role, Tile};
 
 use super::super::legend::{self, SWATCH, Sample};
 use super::super::primitive::{Anchor, Point, Primitive, Rect};

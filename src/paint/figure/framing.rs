@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use motionscope_core::Grid;
+use motionscope_core::geometry::Grid;
 use motionscope_core::scene::{Link, Mark, Picture, Shape};
 
 use super::{FigureOptions, Part};
@@ -186,8 +186,8 @@ fn encloses(corners: &[Point], [x, y]: Point) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::scene::Arrow;
-    use motionscope_core::{Frame, Role, Scene};
+    use motionscope_core::data::Frame;
+    use motionscope_core::scene::{Arrow, Role, Scene};
 
     use super::*;
     use crate::paint::{Figure, Pictures, View};

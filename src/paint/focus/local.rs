@@ -2,8 +2,8 @@
 //!
 //! A fast search tests a few displacements near the block: in a view of the whole window its candidates would lie upon each other.
 
-use motionscope_core::scene::{Picture, Shape};
-use motionscope_core::{Grid, Role, Scene};
+use motionscope_core::geometry::Grid;
+use motionscope_core::scene::{Picture, Role, Scene, Shape};
 
 use super::{Rect, around, bounds_at_work};
 

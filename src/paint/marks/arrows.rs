@@ -3,8 +3,7 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
-use motionscope_core::scene::{self, Mark, Shape};
-use motionscope_core::{Role, Scene};
+use motionscope_core::scene::{self, Mark, Role, Scene, Shape};
 
 use super::is_lengthened;
 

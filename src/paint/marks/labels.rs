@@ -1,6 +1,6 @@
 //! Labels of marks, where they lie over no other one.
 
-use motionscope_core::Role;
+use motionscope_core::scene::Role;
 
 use crate::paint::primitive::{Line, Point, Rect};
 

@@ -10,7 +10,8 @@ use std::sync::Arc;
 
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
-use motionscope_core::{Error, Grid};
+use motionscope_core::base::Error;
+use motionscope_core::geometry::Grid;
 use pdf_writer::{Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
 
 use super::Figure;

@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::sync::OnceLock;
 
-use motionscope_core::Error;
-use motionscope_core::glossary::Chapter;
+use motionscope_core::base::Error;
+use motionscope_core::course::glossary::Chapter;
 
 use super::Lesson;
 

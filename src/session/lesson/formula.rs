@@ -1,6 +1,6 @@
 //! Formulas in a line of words of a lesson.
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 use motionscope_core::scene::Math;
 use motionscope_core::scene::latex::parse;
 

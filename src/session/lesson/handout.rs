@@ -1,6 +1,6 @@
 //! Lessons on paper: the handout with all pages, and the worksheet of one.
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 use super::{Lesson, Page};
 use crate::experiment::pixel::Chosen;
@@ -240,7 +240,7 @@ mod tests {
     #[test]
     fn a_page_asks_by_its_header_or_by_its_words() {
         let mut page = wordy(&[3]).pages.remove(0);
-        page.until = Some(motionscope_core::Cursor { unit: 1, event: 2 });
+        page.until = Some(motionscope_core::run::Cursor { unit: 1, event: 2 });
         assert!(!page.asks(), "several steps are no question");
         page.predicts = true;
         assert!(page.asks());

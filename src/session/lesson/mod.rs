@@ -28,7 +28,9 @@ mod words;
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
-use motionscope_core::{Cursor, Error, estimator};
+use motionscope_core::base::Error;
+use motionscope_core::course::estimator;
+use motionscope_core::run::Cursor;
 
 use super::{Session, folder_of, trust};
 use crate::experiment::{Experiment, Position};

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use motionscope_core::{Cursor, Error};
+use motionscope_core::base::Error;
+use motionscope_core::run::Cursor;
 
 use super::super::toml_text::Section;
 use super::super::{Session, example, read};

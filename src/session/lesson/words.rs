@@ -1,6 +1,6 @@
 //! The words of a page: Markdown with formulas.
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 use motionscope_core::scene::latex;
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
 

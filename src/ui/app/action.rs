@@ -3,10 +3,12 @@
 use std::ffi::OsString;
 use std::sync::Arc;
 
-use motionscope_core::examples::Example;
+use motionscope_core::base::Error;
+use motionscope_core::course::examples::Example;
+use motionscope_core::params::Value;
+use motionscope_core::run::{Cursor, Pace};
 use motionscope_core::scene::Focus;
 use motionscope_core::synth::Sample;
-use motionscope_core::{Cursor, Error, Pace, Value};
 
 use crate::experiment::comparison::Row;
 use crate::media::camera::Kept;

@@ -1,8 +1,12 @@
 //! The execution of commands and actions.
 
 use eframe::egui::ViewportCommand;
-use motionscope_core::compare::changed_alike;
-use motionscope_core::{AnyEstimator, Cursor, Direction, Error, Move, Params, capital, estimator, stage};
+use motionscope_core::base::Error;
+use motionscope_core::base::words::capital;
+use motionscope_core::course::compare::changed_alike;
+use motionscope_core::course::estimator;
+use motionscope_core::params::Params;
+use motionscope_core::run::{AnyEstimator, Cursor, Direction, Move, stage};
 
 use crate::experiment::comparison::Row;
 use crate::experiment::side_by_side::{Companion, SideBySide};

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use eframe::egui::ViewportCommand;
-use motionscope_core::{Error, estimator};
+use motionscope_core::base::Error;
+use motionscope_core::course::estimator;
 
 use crate::experiment::Prepared;
 use crate::experiment::source::Source;

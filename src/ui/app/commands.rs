@@ -696,7 +696,7 @@ pub fn key_text(shortcut: KeyboardShortcut) -> String {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::Params;
+    use motionscope_core::params::Params;
 
     use super::*;
     use crate::view::look::Look;

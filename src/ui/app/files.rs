@@ -7,9 +7,12 @@ use std::sync::mpsc::{TryRecvError, channel};
 use std::time::Instant;
 
 use eframe::egui::ViewportCommand;
-use motionscope_core::examples::{self, Example};
+use motionscope_core::base::Error;
+use motionscope_core::course::estimator;
+use motionscope_core::course::examples::{self, Example};
+use motionscope_core::data::Clip;
+use motionscope_core::run::{AnyEstimator, Cursor, Info};
 use motionscope_core::synth::Sample;
-use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, estimator};
 
 use crate::experiment::first;
 use crate::experiment::source::Source;

@@ -1,6 +1,6 @@
 //! What the search has found, opened in the window.
 
-use motionscope_core::estimator;
+use motionscope_core::course::estimator;
 
 use crate::search::{Target, is_same_parameter};
 use crate::ui::app::action::Action;

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use eframe::egui::{Rect, Ui};
-use motionscope_core::{Cursor, Direction, Move};
+use motionscope_core::run::{Cursor, Direction, Move};
 
 use crate::session::lesson::{Address, page_text};
 use crate::ui::app::action::Actions;

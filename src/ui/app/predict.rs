@@ -1,7 +1,7 @@
 //! Predict, then reveal: what commands, keys and clicks do while a question is open.
 
 use eframe::egui::{Rect, Ui, UiBuilder, vec2};
-use motionscope_core::Move;
+use motionscope_core::run::Move;
 use motionscope_core::scene::Focus;
 
 use crate::ui::app::action::Actions;

@@ -7,7 +7,9 @@ use eframe::egui::{
     self, CentralPanel, Frame, Id, LayerId, Margin, Order, Panel, Rect, Stroke, Ui, ViewportBuilder, ViewportClass,
     ViewportCommand, ViewportId,
 };
-use motionscope_core::{Cursor, Direction, Error, Role};
+use motionscope_core::base::Error;
+use motionscope_core::run::{Cursor, Direction};
+use motionscope_core::scene::Role;
 
 use crate::experiment::Prepared;
 use crate::paint::{Color, Freehand, FreehandLine};

@@ -6,8 +6,9 @@ use std::sync::mpsc::Receiver;
 
 use eframe::egui::{self, Align, CentralPanel, Frame, Label, Layout, Margin, Panel, RichText, TextStyle, Ui};
 use eframe::egui_wgpu::RenderState;
-use motionscope_core::scene::Chart;
-use motionscope_core::{Cursor, Direction, Error, Move, Role, Step};
+use motionscope_core::base::Error;
+use motionscope_core::run::{Cursor, Direction, Move};
+use motionscope_core::scene::{Chart, Role, Step};
 
 use crate::experiment::side_by_side::SideBySide;
 use crate::experiment::source::Source;
@@ -336,7 +337,7 @@ impl App {
             has_pictures: self.document.clip().is_some_and(|clip| !clip.is_blank())
                 && matches!(self.document.source(), Some(Source::File(_) | Source::Pair(_))),
             has_run: shown.is_some() && self.refused().is_none(),
-            at_start: shown.is_none_or(|shown| shown.cursor == motionscope_core::Cursor::default()),
+            at_start: shown.is_none_or(|shown| shown.cursor == motionscope_core::run::Cursor::default()),
             at_end: shown.is_some_and(|shown| shown.at_end),
             busy: self.view.busy,
             checking: self.view.checking,
@@ -350,7 +351,7 @@ impl App {
                 && self.regions.iter().all(|(region, _)| *region != Region::Stage),
             can_be_larger: self.can_be_larger(),
             in_lockstep: !self.document.side_by_side().is_empty(),
-            has_stage: !motionscope_core::stage::stages(self.document.estimator()).is_empty(),
+            has_stage: !motionscope_core::run::stage::stages(self.document.estimator()).is_empty(),
             in_stage: self.document.parents().len() > 0,
             is_placing: self.states.stage.placing.is_some(),
             holds_pixel: shown.and_then(|shown| shown.pointed).is_some_and(|pointed| pointed.is_held),

@@ -1,7 +1,7 @@
 //! What is drawn by hand on a chart that is presented.
 
 use eframe::egui::{CursorIcon, Rect, Role, Sense, Ui, Vec2, WidgetInfo};
-use motionscope_core::Cursor;
+use motionscope_core::run::Cursor;
 
 use crate::paint::{FreehandLine, Ground, PenColor, Theme, freehand_on_chart, primitive};
 use crate::ui::drawing::{pen, primitives};

@@ -1,7 +1,7 @@
 //! How many blocks have each displacement: what is pointed at and clicked on the map of counts.
 
 use eframe::egui::{self, Sense, Stroke, StrokeKind, Ui, vec2};
-use motionscope_core::Histogram;
+use motionscope_core::data::Histogram;
 
 use crate::paint::charts::Map;
 pub use crate::paint::charts::histogram::name;

@@ -1,8 +1,7 @@
 //! Quantities over steps: one below the other where there is room, else the one that is chosen.
 
 use eframe::egui::{Color32, ComboBox, RichText, TextStyle, Ui, vec2};
-use motionscope_core::Step;
-use motionscope_core::scene::Series;
+use motionscope_core::scene::{Series, Step};
 
 use crate::ui::charts::series;
 use crate::ui::drawing::chart::Subject;

@@ -1,7 +1,7 @@
 //! A pyramid as a stack of pictures: turning it, and clicking a level.
 
 use eframe::egui::{self, CursorIcon, Sense, Shape, Stroke, Ui, vec2};
-use motionscope_core::Stack;
+use motionscope_core::scene::Stack;
 use serde::{Deserialize, Serialize};
 
 use crate::paint::charts::Orbit;

@@ -12,7 +12,10 @@ use eframe::egui::{
     self, Align, ComboBox, Key, Label, Layout, Modifiers, Rect, RichText, TextStyle, Ui, UiBuilder, vec2,
 };
 use lucide_icons::Icon;
-use motionscope_core::{Cursor, Error, Info, capital, estimator};
+use motionscope_core::base::Error;
+use motionscope_core::base::words::capital;
+use motionscope_core::course::estimator;
+use motionscope_core::run::{Cursor, Info};
 
 use crate::media::camera::{Camera, Cameras, Closing, Device, Kept, Shot, Size, keep};
 use crate::paint::charts::Orbit;

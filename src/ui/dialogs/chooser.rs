@@ -9,7 +9,8 @@ use eframe::egui::{
     Vec2, pos2, vec2,
 };
 use lucide_icons::Icon;
-use motionscope_core::{Info, estimators, examples, lockstep};
+use motionscope_core::course::{estimators, examples};
+use motionscope_core::run::{Info, lockstep};
 
 use super::fuzzy::{self, Place, Words};
 use super::palette;
@@ -210,7 +211,7 @@ impl State {
     fn description(&self, number: usize) -> String {
         let entry = &self.all[number];
         let said = match (&entry.refused, entry.merit()) {
-            (Some(refused), _) => format!("{}.", motionscope_core::capital(refused)),
+            (Some(refused), _) => format!("{}.", motionscope_core::base::words::capital(refused)),
             (None, Some(merit)) => merit.words().to_owned(),
             (None, None) => entry.flaw(),
         };

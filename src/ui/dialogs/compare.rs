@@ -13,8 +13,10 @@ use eframe::egui::style::ScrollStyle;
 use eframe::egui::{
     self, Align, Button, ComboBox, Label, Layout, Rect, RichText, ScrollArea, TextStyle, Ui, pos2, vec2,
 };
-use motionscope_core::compare::changed_alike;
-use motionscope_core::{AnyEstimator, Error, Threads, estimators, lockstep};
+use motionscope_core::base::{Error, Threads};
+use motionscope_core::course::compare::changed_alike;
+use motionscope_core::course::estimators;
+use motionscope_core::run::{AnyEstimator, lockstep};
 
 use self::notes::Notes;
 use super::path::PathField;

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use eframe::egui::{self, RichText, TextStyle, Ui, vec2};
 use lucide_icons::Icon;
-use motionscope_core::{Error, capital};
+use motionscope_core::base::Error;
+use motionscope_core::base::words::capital;
 
 use super::path::PathField;
 use crate::experiment::source::Source;

@@ -8,9 +8,11 @@ use eframe::egui::{
     WidgetInfo, vec2,
 };
 use lucide_icons::Icon;
-use motionscope_core::examples::{self, Cause, Example};
+use motionscope_core::course::estimators;
+use motionscope_core::course::examples::{self, Cause, Example};
 use motionscope_core::params::Kind;
-use motionscope_core::{AnyEstimator, estimators, synth};
+use motionscope_core::run::AnyEstimator;
+use motionscope_core::synth;
 
 use super::fuzzy::{self, Rank, Words};
 use crate::paint::{FlowLayer, Theme};

@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use eframe::egui::{self, Align, Button, Layout, RichText, TextEdit, TextStyle, Ui, WidgetInfo, vec2};
-use motionscope_core::params::Kind as ParameterKind;
-use motionscope_core::{Cursor, Params, ProductKind, Spec, Value};
+use motionscope_core::params::{Kind as ParameterKind, Params, Spec, Value};
+use motionscope_core::products::ProductKind;
+use motionscope_core::run::Cursor;
 
 use super::path::PathField;
 use crate::experiment::Prepared;

@@ -1,7 +1,7 @@
 //! The glossary: the terms of the course by chapter, found by name, symbol or definition.
 
 use eframe::egui::{self, RichText, ScrollArea, TextEdit, TextStyle, Ui, vec2};
-use motionscope_core::glossary::{Chapter, GLOSSARY, Term};
+use motionscope_core::course::glossary::{Chapter, GLOSSARY, Term};
 
 use crate::ui::panes::glossary;
 use crate::ui::parts::widgets;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use eframe::egui::{self, Painter, Pos2, Rect, Shape};
-use motionscope_core::Step;
+use motionscope_core::scene::Step;
 
 use crate::paint::charts::{ChartStyle, Drawing};
 use crate::paint::primitive;

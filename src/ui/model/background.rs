@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use motionscope_core::{Error, Stop};
+use motionscope_core::base::{Error, Stop};
 
 use crate::media::Progress;
 

@@ -3,7 +3,9 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use eframe::egui::{Context, TextureHandle, TextureOptions};
-use motionscope_core::{Clip, Error, Grid, Stop, Threads};
+use motionscope_core::base::{Error, Stop, Threads};
+use motionscope_core::data::Clip;
+use motionscope_core::geometry::Grid;
 
 use super::background::Background;
 use super::color_image;

@@ -4,8 +4,12 @@ use std::cmp::Ordering;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use motionscope_core::base::Error;
+use motionscope_core::course::estimators;
+use motionscope_core::data::Clip;
+use motionscope_core::params::{Params, Value};
+use motionscope_core::run::{AnyEstimator, Cursor, Info};
 use motionscope_core::synth::{self, Difficulty, Sample};
-use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Params, Value, estimators};
 
 use super::history::History;
 use super::nested::Nested;

@@ -1,6 +1,7 @@
 //! The lesson that is open, and the page of it.
 
-use motionscope_core::{Cursor, Direction, Error};
+use motionscope_core::base::Error;
+use motionscope_core::run::{Cursor, Direction};
 
 use crate::paint::charts::prose::Prose;
 use crate::session::lesson::{Address, Lesson, Page, bundled};

@@ -6,7 +6,11 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use motionscope_core::{AnyEstimator, Clip, Error, Frame, Info, Scene, Stop, Walk, estimators};
+use motionscope_core::base::{Error, Stop};
+use motionscope_core::course::estimators;
+use motionscope_core::data::{Clip, Frame};
+use motionscope_core::run::{AnyEstimator, Info, Walk};
+use motionscope_core::scene::Scene;
 
 use crate::experiment::live::{LiveRun, NextFrame, measure};
 use crate::media::camera::{Camera, Format};
@@ -387,7 +391,7 @@ fn samples(shared: &Arc<Shared>) -> Option<Vec<Arc<Frame>>> {
 mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    use motionscope_core::estimator;
+    use motionscope_core::course::estimator;
 
     use super::*;
     use crate::experiment::first;

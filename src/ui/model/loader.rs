@@ -4,7 +4,8 @@ use std::ffi::{OsStr, OsString};
 use std::path::Path;
 use std::sync::Arc;
 
-use motionscope_core::{Clip, Error};
+use motionscope_core::base::Error;
+use motionscope_core::data::Clip;
 
 use super::background::Background;
 use crate::experiment;

@@ -25,7 +25,7 @@ pub mod watch;
 pub mod writer;
 
 use eframe::egui::ColorImage;
-use motionscope_core::Grid;
+use motionscope_core::geometry::Grid;
 
 /// Returns pixels as what a texture is made of.
 fn color_image(pixels: &Grid<[u8; 3]>) -> ColorImage {

@@ -1,7 +1,9 @@
 //! The current experiment, and the experiments that wait while one of their stages is open.
 
-use motionscope_core::stage::{self, Opened};
-use motionscope_core::{AnyEstimator, Clip, Cursor, Error};
+use motionscope_core::base::Error;
+use motionscope_core::data::Clip;
+use motionscope_core::run::stage::{self, Opened};
+use motionscope_core::run::{AnyEstimator, Cursor};
 
 use super::snapshot::{Place, Snapshot};
 use crate::experiment::side_by_side::SideBySide;

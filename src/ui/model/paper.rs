@@ -1,6 +1,6 @@
 //! Writes handouts and worksheets.
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 use super::snapshot::Snapshot;
 use super::writer::{Order, OutputKind};

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use motionscope_core::Cursor;
+use motionscope_core::run::Cursor;
 
 use crate::experiment::Prepared;
 use crate::paint::{Freehand, FreehandLine, PenColor};

@@ -1,6 +1,6 @@
 //! Playback of a run: the number of steps due, and the cursor they lead to.
 
-use motionscope_core::{Cursor, Direction, Move};
+use motionscope_core::run::{Cursor, Direction, Move};
 
 /// The unit of playback speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! What a new user has tried of stepping, so that the hint beside the steps goes away by itself.
 
-use motionscope_core::Direction;
+use motionscope_core::run::Direction;
 use serde::{Deserialize, Serialize};
 
 use crate::ui::app::commands::Command;

@@ -8,7 +8,7 @@ mod score;
 
 use std::sync::Arc;
 
-use motionscope_core::Cursor;
+use motionscope_core::run::Cursor;
 use motionscope_core::scene::{Answer, Asked, Focus, Question, Shown, asked};
 
 pub use answers::{ARROWS, DIRECTIONS, Guesses, SAME_PLACE, Verdict};

@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
-use motionscope_core::scene::{Picture, Sentence, Shape};
-use motionscope_core::{Clip, Cursor, Error, Role, Scene, Step};
+use motionscope_core::base::Error;
+use motionscope_core::data::Clip;
+use motionscope_core::run::Cursor;
+use motionscope_core::scene::{Picture, Role, Scene, Sentence, Shape, Step};
 
 use super::snapshot::Snapshot;
 use crate::experiment::Prepared;

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use eframe::egui::{ColorImage, Context, TextureHandle, TextureOptions};
-use motionscope_core::Clip;
+use motionscope_core::data::Clip;
 use motionscope_core::synth::{SCENES, Sample};
 
 use super::step_pictures::StepPictures;

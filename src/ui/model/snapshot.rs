@@ -3,8 +3,9 @@
 use std::ops::Deref;
 use std::sync::Arc;
 
-use motionscope_core::scene::{Focus, Picture, Readout, Shape, Surface};
-use motionscope_core::{Cursor, Error, Granularity, Info, Move, Pace, Role, Step, Walk};
+use motionscope_core::base::Error;
+use motionscope_core::run::{Cursor, Granularity, Info, Move, Pace, Walk};
+use motionscope_core::scene::{Focus, Picture, Readout, Role, Shape, Step, Surface};
 
 use crate::experiment::Prepared;
 use crate::experiment::pixel::Held;

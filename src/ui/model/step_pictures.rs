@@ -4,7 +4,8 @@
 use std::collections::BTreeMap;
 
 use eframe::egui::{ColorImage, Context, TextureHandle, TextureOptions};
-use motionscope_core::{Error, Stop, examples};
+use motionscope_core::base::{Error, Stop};
+use motionscope_core::course::examples;
 
 use super::background::Background;
 use super::color_image;

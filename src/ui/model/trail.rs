@@ -1,6 +1,6 @@
 //! The pages that links led away from, and the way back to them.
 
-use motionscope_core::Cursor;
+use motionscope_core::run::Cursor;
 
 use crate::session::lesson::Address;
 

@@ -5,8 +5,9 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
-use motionscope_core::scene::{Focus, Sentence};
-use motionscope_core::{Cursor, Direction, Error, Move, Step, Stop, Walk};
+use motionscope_core::base::{Error, Stop};
+use motionscope_core::run::{Cursor, Direction, Move, Walk};
+use motionscope_core::scene::{Focus, Sentence, Step};
 
 use super::snapshot::Snapshot;
 use crate::experiment::Prepared;

@@ -17,8 +17,10 @@ use std::time::{Duration, Instant};
 use mailbox::{Mailbox, Request, Shared};
 pub use mailbox::{Phase, View};
 pub use marks::Marks;
+use motionscope_core::base::Error;
+use motionscope_core::products::Output;
+use motionscope_core::run::{Direction, Move, Walk};
 use motionscope_core::scene::Focus;
-use motionscope_core::{Direction, Error, Move, Output, Walk};
 use worker::Worker;
 
 use super::snapshot::{Hold, Job, Place, Snapshot};

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::Duration;
 
-use motionscope_core::{Error, Output};
+use motionscope_core::base::Error;
+use motionscope_core::products::Output;
 
 use super::background::Background;
 use super::snapshot::Snapshot;

@@ -2,8 +2,9 @@
 
 use eframe::egui::{self, Align, Button, Layout, Rect, RichText, TextStyle, Ui, WidgetInfo};
 use lucide_icons::Icon;
+use motionscope_core::base::words::capital;
+use motionscope_core::run::Cursor;
 use motionscope_core::scene::Readout;
-use motionscope_core::{Cursor, capital};
 use serde::{Deserialize, Serialize};
 
 use super::Panes;

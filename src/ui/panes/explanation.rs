@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use eframe::egui::{self, Painter, Rect, Sense, Shape, Ui, Vec2, vec2};
-use motionscope_core::scene::{Fact, Math, Value};
-use motionscope_core::{Info, Step};
+use motionscope_core::run::Info;
+use motionscope_core::scene::{Fact, Math, Step, Value};
 
 use crate::paint::Theme;
 use crate::paint::charts::changes::Since;

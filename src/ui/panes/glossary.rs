@@ -3,9 +3,9 @@
 use std::cell::Cell;
 
 use eframe::egui::{self, Id, PopupAnchor, Rect, Response, RichText, Sense, Shape, Tooltip, Ui, Vec2, WidgetInfo};
-use motionscope_core::glossary::{Chapter, GLOSSARY, Term, chapters_of, find, in_family, occurrences, role_of};
-use motionscope_core::scene::{Value, Variable, latex};
-use motionscope_core::{Role, Scene, capital};
+use motionscope_core::base::words::capital;
+use motionscope_core::course::glossary::{Chapter, GLOSSARY, Term, chapters_of, find, in_family, occurrences, role_of};
+use motionscope_core::scene::{Role, Scene, Value, Variable, latex};
 
 use crate::paint::charts::explanation::Block;
 use crate::paint::{Theme, legend};

@@ -8,7 +8,7 @@ use eframe::egui::{
     UiBuilder, vec2,
 };
 use lucide_icons::Icon;
-use motionscope_core::Direction;
+use motionscope_core::run::Direction;
 
 use super::explanation::Part;
 use super::glossary::Beside;

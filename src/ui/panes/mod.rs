@@ -24,8 +24,12 @@ use eframe::egui::{
 };
 use eframe::egui_wgpu::RenderState;
 use lucide_icons::Icon;
-use motionscope_core::scene::Readout;
-use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Step, Value, capital};
+use motionscope_core::base::Error;
+use motionscope_core::base::words::capital;
+use motionscope_core::data::Clip;
+use motionscope_core::params::Value;
+use motionscope_core::run::{AnyEstimator, Cursor, Info};
+use motionscope_core::scene::{Readout, Step};
 use serde::{Deserialize, Serialize};
 
 use super::model::document::{Document, Owner};
@@ -611,7 +615,8 @@ pub fn empty(ui: &mut Ui, text: &str) {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::{Frame, Grid};
+    use motionscope_core::data::Frame;
+    use motionscope_core::geometry::Grid;
 
     use super::*;
 

@@ -10,8 +10,8 @@ use eframe::egui::{
     vec2,
 };
 use lucide_icons::Icon;
-use motionscope_core::params::{Choice, Kind, PartKind, Placed, Spec, StageValue};
-use motionscope_core::{Value, lockstep};
+use motionscope_core::params::{Choice, Kind, PartKind, Placed, Spec, StageValue, Value};
+use motionscope_core::run::lockstep;
 use serde::{Deserialize, Serialize};
 
 use crate::paint::Theme;

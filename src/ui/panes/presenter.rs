@@ -1,7 +1,7 @@
 //! The presenter's window: the notes of the page, the next step and the time, while the class sees the stage.
 
 use eframe::egui::{self, Align, Button, FontId, Label, Layout, RichText, ScrollArea, TextStyle, Ui, WidgetInfo, vec2};
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 use crate::paint::Theme;
 use crate::ui::app::action::Actions;

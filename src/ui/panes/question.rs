@@ -2,7 +2,8 @@
 
 use eframe::egui::{self, Button, RichText, TextEdit, TextStyle, Ui, WidgetInfo, vec2};
 use lucide_icons::Icon;
-use motionscope_core::{Cursor, capital};
+use motionscope_core::base::words::capital;
+use motionscope_core::run::Cursor;
 
 use crate::paint::Theme;
 use crate::ui::app::action::{Action, Actions};

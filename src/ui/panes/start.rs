@@ -9,8 +9,10 @@ use eframe::egui::{
     WidgetInfo, vec2,
 };
 use lucide_icons::Icon;
+use motionscope_core::base::Error;
+use motionscope_core::base::words::capital;
+use motionscope_core::course::estimators;
 use motionscope_core::synth::SCENES;
-use motionscope_core::{Error, capital, estimators};
 
 use crate::paint::Theme;
 use crate::session::lesson::{self, Address};

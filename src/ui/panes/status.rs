@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use eframe::egui::{Button, ProgressBar, RichText, Ui};
+use motionscope_core::run::{Cursor, FRAME, Granularity, LEVEL, ROW};
 use motionscope_core::scene::{Focus, Picture};
-use motionscope_core::{Cursor, FRAME, Granularity, LEVEL, ROW};
 
 use crate::paint::grouped;
 use crate::ui::app::action::Actions;

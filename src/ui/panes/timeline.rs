@@ -3,7 +3,8 @@
 use eframe::egui::{
     self, Align2, Color32, CursorIcon, Rect, Response, Sense, Stroke, TextStyle, Ui, WidgetInfo, pos2, vec2,
 };
-use motionscope_core::{Cursor, FRAME, Granularity, ROW, Role};
+use motionscope_core::run::{Cursor, FRAME, Granularity, ROW};
+use motionscope_core::scene::Role;
 
 use crate::paint::{Theme, grouped};
 use crate::ui::drawing::style;

@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, Align, Button, Layout, MenuBar, RichText, TextStyle, Ui};
 use lucide_icons::Icon;
-use motionscope_core::Params;
+use motionscope_core::params::Params;
 
 use crate::paint::Theme;
 use crate::ui::app::action::Actions;

@@ -4,7 +4,7 @@ use eframe::egui::{
     self, Align2, Button, ComboBox, FontId, Rect, Response, Sense, Stroke, TextStyle, Ui, WidgetInfo, vec2,
 };
 use lucide_icons::Icon;
-use motionscope_core::Direction;
+use motionscope_core::run::Direction;
 
 use crate::paint::Theme;
 use crate::ui::app::action::{Action, Actions};

@@ -1,7 +1,7 @@
 //! The window's icon: a block, where it went, and the arrow between.
 
 use eframe::egui::IconData;
-use motionscope_core::Role;
+use motionscope_core::scene::Role;
 use tiny_skia::{FillRule, LineCap, Paint, PathBuilder, Pixmap, Stroke, Transform};
 
 use crate::paint::{Color, Theme};

@@ -2,8 +2,9 @@
 
 use eframe::egui::{self, Align, Align2, Layout, Pos2, Rect, Sense, Slider, Ui, WidgetInfo, pos2, vec2};
 use lucide_icons::Icon;
-use motionscope_core::scene::{Measured, Picture, Shape};
-use motionscope_core::{Frame, Role, fixed};
+use motionscope_core::base::words::fixed;
+use motionscope_core::data::Frame;
+use motionscope_core::scene::{Measured, Picture, Role, Shape};
 
 use super::{Hovered, Input, Response, State, levels, lockstep, motion, pixels};
 use crate::paint::legend::{self, Entry, Sample};
@@ -436,7 +437,7 @@ fn columns(pictures: &[Probed<'_>], pixel: [usize; 2]) -> Vec<Column> {
 mod tests {
     use super::*;
     use crate::paint::ColorMap;
-    use motionscope_core::Grid;
+    use motionscope_core::geometry::Grid;
 
     #[test]
     fn a_pixel_is_reported_in_both_frames() {

@@ -1,7 +1,8 @@
 //! The view moves to the work of a step, and from there to that of the next.
 
 use eframe::egui::{self, Painter, Rect, Sense, Ui, vec2};
-use motionscope_core::{Cursor, Scene};
+use motionscope_core::run::Cursor;
+use motionscope_core::scene::Scene;
 
 use super::{Input, Lens, Spot, State, Zoom};
 use crate::paint::focus::{self, Site};

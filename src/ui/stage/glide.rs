@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use motionscope_core::scene::{Mark, Picture, Shape};
-use motionscope_core::{Role, Scene};
+use motionscope_core::scene::{Mark, Picture, Role, Scene, Shape};
 
 /// How long a step moves, in seconds.
 const SECS: f64 = 0.16;

@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use eframe::egui::{self, Ui};
-use motionscope_core::scene::{Footing, Picture, Readout, Surface};
-use motionscope_core::{Role, Step};
+use motionscope_core::scene::{Footing, Picture, Readout, Role, Step, Surface};
 
 use super::{Hand, Input, Spot, State};
 use crate::paint::charts::Orbit;
@@ -180,7 +179,7 @@ pub(super) fn paint(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut Sta
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::Grid;
+    use motionscope_core::geometry::Grid;
     use motionscope_core::scene::Sentence;
 
     use super::*;
@@ -192,7 +191,7 @@ mod tests {
             trail: trail.to_vec(),
             ..Surface::new("cost", [-2, -2], Grid::new(5, 5, 1.0), Grid::new(5, 5, None))
         };
-        let line = motionscope_core::estimators()[0].info().pseudocode[0].name;
+        let line = motionscope_core::course::estimators()[0].info().pseudocode[0].name;
         Arc::new(Step {
             values: Vec::new(),
             line,

@@ -3,8 +3,8 @@
 use eframe::egui::text::{LayoutJob, TextFormat, TextWrapping};
 use eframe::egui::{self, CursorIcon, Rect, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 use lucide_icons::Icon;
+use motionscope_core::run::{Pace, lockstep};
 use motionscope_core::scene::Sentence;
-use motionscope_core::{Pace, lockstep};
 
 use super::{Input, Lens, Response, bar};
 use crate::experiment::Experiment;

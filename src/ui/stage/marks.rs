@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use eframe::egui::{Painter, Rect, Shape};
-use motionscope_core::scene::Mark;
-use motionscope_core::{Role, Scene};
+use motionscope_core::scene::{Mark, Role, Scene};
 
 use super::{Input, Lens, pixels};
 use crate::paint::{Look, Panel, Placement, Style, primitive, resolve};

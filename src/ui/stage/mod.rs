@@ -24,8 +24,8 @@ use std::sync::Arc;
 use eframe::egui::{self, Rect, Sense, Ui, Vec2, pos2, vec2};
 use eframe::egui_wgpu::RenderState;
 use motionscope_core::params::Placed;
-use motionscope_core::scene::{Focus, Picture};
-use motionscope_core::{Cursor, Pace, Role, Scene, Step};
+use motionscope_core::run::{Cursor, Pace};
+use motionscope_core::scene::{Focus, Picture, Role, Scene, Step};
 
 pub use lens::{Lens, Zoom};
 pub use lockstep::Lockstep;

@@ -7,8 +7,8 @@ use eframe::egui::{
     WidgetInfo, pos2, vec2,
 };
 use lucide_icons::Icon;
-use motionscope_core::params::Kind;
-use motionscope_core::{Params, Spec, Value, scene};
+use motionscope_core::params::{Kind, Params, Spec, Value};
+use motionscope_core::scene;
 
 use super::{Input, Response, Spot, State, follow};
 use crate::paint::{Backdrop, Color, Face, FlowLayer, Theme, Tint, TintKey, legend, number};

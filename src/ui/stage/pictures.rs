@@ -5,7 +5,8 @@ use std::sync::Arc;
 use eframe::egui::epaint::Vertex;
 use eframe::egui::{Color32, ColorImage, Mesh, Painter, Pos2, Rect, Shape, TextureHandle, TextureOptions, pos2};
 use eframe::egui::{TextureFilter, TextureWrapMode};
-use motionscope_core::{Frame, Grid};
+use motionscope_core::data::Frame;
+use motionscope_core::geometry::Grid;
 
 use super::Lens;
 use crate::paint::charts::relief::Corner;

@@ -1,8 +1,10 @@
 //! What is seen from close up: the grid of pixels, their numbers, and the same pixel in every picture.
 
 use eframe::egui::{Align2, Color32, Painter, Rect, Stroke, StrokeKind};
+use motionscope_core::base::words::fixed;
+use motionscope_core::data::Frame;
+use motionscope_core::geometry::{Gray, Grid};
 use motionscope_core::scene::{Mark, Shape};
-use motionscope_core::{Frame, Gray, Grid, fixed};
 
 use super::Lens;
 use crate::paint::charts::on_gray;
@@ -235,10 +237,10 @@ mod tests {
             Lens::new(pane, (320, 240), crate::ui::stage::Zoom::At { center: [99.0; 2], scale })
         };
         let mark = |cost: f32| {
-            let mut scene = motionscope_core::Scene::default();
+            let mut scene = motionscope_core::scene::Scene::default();
             let values = Grid::from_fn(9, 9, |x, y| if x + y == 0 { cost } else { f32::NAN });
             let shape = Shape::Heat { origin: [90.5, 90.5], values };
-            scene.mark(motionscope_core::scene::Picture::NEXT, motionscope_core::Role::Candidate, shape);
+            scene.mark(motionscope_core::scene::Picture::NEXT, motionscope_core::scene::Role::Candidate, shape);
             scene.marks.remove(0)
         };
         assert!(tells_costs(&mark(123.0), &at(26.0)) && !tells_costs(&mark(12_345.0), &at(26.0)));

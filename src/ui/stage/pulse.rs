@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use eframe::egui::{Painter, Pos2, Shape as EguiShape, Stroke};
-use motionscope_core::scene::{Arrow, Picture, Shape};
-use motionscope_core::{Cursor, Scene};
+use motionscope_core::run::Cursor;
+use motionscope_core::scene::{Arrow, Picture, Scene, Shape};
 
 use super::Lens;
 use crate::paint::{Panel, Theme};
@@ -137,7 +137,7 @@ fn ellipse([x, y]: [f32; 2], [long, short]: [f32; 2], angle_rad: f32) -> Vec<[f3
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::Role;
+    use motionscope_core::scene::Role;
 
     use super::*;
 

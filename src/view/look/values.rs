@@ -1,7 +1,7 @@
 //! The types of the view options as parameter values.
 
-use motionscope_core::params::{Choice, Kind, Parameter};
-use motionscope_core::{Value, choices};
+use motionscope_core::choices;
+use motionscope_core::params::{Choice, Kind, Parameter, Value};
 
 use crate::paint::{
     Backdrop, ColorMap, FlowLayer, FocusMode, Lengthen, LevelShown, Opacity, Phase, Share, Theme, View,

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use motionscope_core::scene::{Math, Matrix, Plane, Question, Readout, Regions};
-use motionscope_core::{Grid, Role, Step};
+use motionscope_core::geometry::Grid;
+use motionscope_core::scene::{Math, Matrix, Plane, Question, Readout, Regions, Role, Step};
 
 use super::decision::Decision;
 use super::equation::{self, Defined, defined, exercise, values};

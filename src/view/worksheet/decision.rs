@@ -1,7 +1,6 @@
 //! The decision of a step: the question of the estimator that it answers, with answers to tick.
 
-use motionscope_core::scene::{Answer, Asked, Question, Shown};
-use motionscope_core::{Scene, Step};
+use motionscope_core::scene::{Answer, Asked, Question, Scene, Shown, Step};
 
 /// A question with its answers.
 #[derive(Clone, Debug, PartialEq, Eq)]

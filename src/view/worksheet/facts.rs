@@ -1,7 +1,6 @@
 //! Labelled numbers of a worksheet: which are left out with what is asked for elsewhere, and which would tell it.
 
-use motionscope_core::Role;
-use motionscope_core::scene::{Fact, Math};
+use motionscope_core::scene::{Fact, Math, Role};
 
 use super::numbers::{self, Fill, filled, tells};
 use super::vector::Vector;

@@ -1,7 +1,8 @@
 //! Costs and histograms of a worksheet as tables: small enough to be computed by hand.
 
+use motionscope_core::base::words::fixed;
+use motionscope_core::geometry::Grid;
 use motionscope_core::scene::{Math, Series, Surface};
-use motionscope_core::{Grid, fixed};
 
 use super::numbers::{self, Fill, filled};
 use super::windows::Pixels;

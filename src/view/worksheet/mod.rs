@@ -16,8 +16,9 @@ mod sheet;
 mod vector;
 mod windows;
 
-use motionscope_core::scene::Focus;
-use motionscope_core::{Direction, Error, Move, Step, Walk};
+use motionscope_core::base::Error;
+use motionscope_core::run::{Direction, Move, Walk};
+use motionscope_core::scene::{Focus, Step};
 
 use self::blanks::{Asked, Exercise};
 use self::numbers::Fill;

@@ -1,7 +1,6 @@
 //! Numbers in texts and formulas: found, left out, filled in.
 
-use motionscope_core::Role;
-use motionscope_core::scene::Math;
+use motionscope_core::scene::{Math, Role};
 
 use crate::paint::charts::formula::blank;
 use crate::paint::{THIN, places};

@@ -1,6 +1,6 @@
 //! The parameters that a step is computed with, for paper: nothing beside the sheet tells them.
 
-use motionscope_core::AnyEstimator;
+use motionscope_core::run::AnyEstimator;
 
 use crate::view::rendering::said;
 
@@ -18,7 +18,7 @@ mod tests {
 
     #[test]
     fn all_parameters_with_an_effect_are_told_however_many_they_are() {
-        let mut estimator = motionscope_core::estimator("kalman-filter").expect("an estimator");
+        let mut estimator = motionscope_core::course::estimator("kalman-filter").expect("an estimator");
         let told = settings(&*estimator);
         for name in ["measurement noise 2 px", "process noise 3", "gate 0.99", "initial speed 30"] {
             assert!(told.contains(name), "{name}: {told}");

@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use motionscope_core::scene::{Mark, Math, Matrix, Sentence, Shape};
-use motionscope_core::{Role, Scene, Step};
+use motionscope_core::scene::{Mark, Math, Matrix, Role, Scene, Sentence, Shape, Step};
 
 use super::About;
 use super::blanks::{Exercise, Part as Place};

@@ -1,7 +1,8 @@
 //! Every estimator has worksheets, and what is left out of a formula or a matrix stands in no later part of it.
 
-use motionscope_core::scene::{Math, Matrix, Name, Question, Readout, Unit};
-use motionscope_core::{Cursor, Role, estimators};
+use motionscope_core::course::estimators;
+use motionscope_core::run::Cursor;
+use motionscope_core::scene::{Math, Matrix, Name, Question, Readout, Role, Unit};
 
 use super::blanks::{Answer, Part as Place};
 use super::numbers::{is_telling, of};
@@ -169,7 +170,7 @@ fn counts(text: &str, numbers: &[String]) -> Vec<usize> {
 #[test]
 fn answers_are_left_out_and_the_words_of_the_page_do_not_tell_them() {
     for (id, cursor) in [("full-search", "40.60"), ("kalman-filter", "4.4"), ("horn-schunck", "1.3")] {
-        let estimator = motionscope_core::estimator(id).expect("an estimator");
+        let estimator = motionscope_core::course::estimator(id).expect("an estimator");
         let prepared = sample(&*estimator);
         let cursor: Cursor = cursor.parse().expect("a cursor");
         let look = Look { theme: THEME, ..Look::default() };
@@ -206,7 +207,7 @@ fn answers_are_left_out_and_the_words_of_the_page_do_not_tell_them() {
 
 #[test]
 fn a_step_without_results_is_refused_with_what_to_do() {
-    let estimator = motionscope_core::estimator("full-search").expect("an estimator");
+    let estimator = motionscope_core::course::estimator("full-search").expect("an estimator");
     let prepared = sample(&*estimator);
     let stand = Stand {
         prepared: &prepared,
@@ -240,7 +241,7 @@ fn text(prepared: &Prepared, cursor: &str, answers: bool) -> String {
 
 /// The first example of the estimator that is called so.
 fn sample_of(id: &str) -> Prepared {
-    sample(&*motionscope_core::estimator(id).expect("an estimator"))
+    sample(&*motionscope_core::course::estimator(id).expect("an estimator"))
 }
 
 #[test]
@@ -281,7 +282,7 @@ fn the_algorithm_is_printed_once_with_the_parameters() {
 
 #[test]
 fn what_was_decided_stands_in_no_label() {
-    let estimator = motionscope_core::estimator("harris").expect("an estimator");
+    let estimator = motionscope_core::course::estimator("harris").expect("an estimator");
     let source = Source::parse("synth:pillar").expect("a scene");
     let prepared = Prepared::open(Experiment::new(source, estimator), Open::default()).expect("a clip");
     let mut walk = prepared.experiment.walk(&prepared.clip).expect("a run");
@@ -295,7 +296,7 @@ fn what_was_decided_stands_in_no_label() {
 
 #[test]
 fn a_search_is_done_on_paper_with_corners_of_several_candidates() {
-    let estimator = motionscope_core::estimator("full-search").expect("an estimator");
+    let estimator = motionscope_core::course::estimator("full-search").expect("an estimator");
     let prepared = sample(&*estimator);
     let [left_out, solved] = [false, true].map(|answers| text(&prepared, "40.60", answers));
     let part = "The 4×4 pixels in the upper left corner of each 16×16 window are printed.";
@@ -309,7 +310,7 @@ fn a_search_is_done_on_paper_with_corners_of_several_candidates() {
 
 #[test]
 fn the_order_of_a_difference_with_a_sign_is_told() {
-    let estimator = motionscope_core::estimator("block-stereo").expect("an estimator");
+    let estimator = motionscope_core::course::estimator("block-stereo").expect("an estimator");
     let left_out = text(&sample(&*estimator), "2.30", false);
     assert!(left_out.contains("Compute the empty differences (best match − window)."), "{left_out}");
     assert!(left_out.contains("upper left corner of each 9×9 window"), "{left_out}");
@@ -317,7 +318,7 @@ fn the_order_of_a_difference_with_a_sign_is_told() {
 
 #[test]
 fn a_gate_is_decided_by_the_reader() {
-    let estimator = motionscope_core::estimator("kalman-filter").expect("an estimator");
+    let estimator = motionscope_core::course::estimator("kalman-filter").expect("an estimator");
     let prepared = sample(&*estimator);
     let [left_out, solved] = [false, true].map(|answers| text(&prepared, "4.3", answers));
     let before_why = |text: &str| text.split_once("\nWhy").map_or(text, |(tasks, _)| tasks).to_owned();
@@ -328,7 +329,7 @@ fn a_gate_is_decided_by_the_reader() {
 
 #[test]
 fn a_question_whose_answer_is_always_the_same_in_the_first_unit_is_not_asked_there() {
-    let estimator = motionscope_core::estimator("chan-vese").expect("an estimator");
+    let estimator = motionscope_core::course::estimator("chan-vese").expect("an estimator");
     let prepared = sample(&*estimator);
     let stand = |unit| Stand {
         prepared: &prepared,
@@ -346,7 +347,7 @@ fn a_question_whose_answer_is_always_the_same_in_the_first_unit_is_not_asked_the
 
 #[test]
 fn the_response_of_a_corner_detector_begins_with_determinant_and_trace() {
-    let estimator = motionscope_core::estimator("harris").expect("an estimator");
+    let estimator = motionscope_core::course::estimator("harris").expect("an estimator");
     let prepared = sample(&*estimator);
     let cursor: Cursor = "1.3".parse().expect("a cursor");
     let look = Look { theme: THEME, ..Look::default() };

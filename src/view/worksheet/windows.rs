@@ -1,7 +1,7 @@
 //! Windows of pixels on a worksheet: parts that can be compared by hand, of the candidate at hand and of some before it.
 
-use motionscope_core::scene::{Math, Readout, Surface, Tile};
-use motionscope_core::{Grid, Role, Step};
+use motionscope_core::geometry::Grid;
+use motionscope_core::scene::{Math, Readout, Role, Step, Surface, Tile};
 
 use super::numbers::{self, Fill};
 use crate::paint::charts::heat_map::{cost, vector};

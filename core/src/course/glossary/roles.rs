@@ -29,8 +29,8 @@ const USUAL: [(Role, &[&str]); 8] = [
 /// The role of the marks that show what `term` is about in a family of estimators, wherever such marks are drawn.
 ///
 /// ```
-/// use motionscope_core::Role;
-/// use motionscope_core::glossary::{find, role_of};
+/// use motionscope_core::course::glossary::{find, role_of};
+/// use motionscope_core::scene::Role;
 ///
 /// let range = find("search range").expect("it is in the glossary");
 /// assert_eq!(role_of(range, "Block matching"), Some(Role::Window));

@@ -1,6 +1,6 @@
 //! Animated PNG: after the first picture only the rectangle that changes.
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 use png::{BlendOp, ColorType, Compression, DisposeOp, Encoder, EncodingError, SrgbRenderingIntent};
 
 use super::{AnimationFormat, Area, Progress, Reel, failed};

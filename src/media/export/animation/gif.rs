@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use ::gif::{DisposalMethod, Encoder, Frame, Repeat};
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 use super::palette::{COLORS, Palette};
 use super::{AnimationFormat, Area, Progress, Reel, failed};

@@ -10,7 +10,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 use image::{ImageFormat, Rgb, RgbImage};
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 use crate::media::Progress;
 

@@ -1,6 +1,6 @@
 //! MP4: the rate of the video is a multiple of the rate of the steps, so that every step takes the time that was asked for.
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 use super::{AnimationFormat, Progress, Reel, Timing};
 use crate::media::export::h264::Video;

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use color_quant::NeuQuant;
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 use super::{AnimationFormat, Progress, Reel};
 

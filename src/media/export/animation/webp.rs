@@ -2,7 +2,7 @@
 
 use image::codecs::webp::WebPEncoder;
 use image::{ExtendedColorType, ImageEncoder as _};
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 use super::{AnimationFormat, Area, Progress, Reel, failed};
 

@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 use glam::camera::rh::{proj::directx::perspective, view::look_at_mat4};
 use glam::{Mat4, Vec3};
-use motionscope_core::scene::{Cloud, CloudData};
-use motionscope_core::{Role, fixed};
+use motionscope_core::base::words::fixed;
+use motionscope_core::scene::{Cloud, CloudData, Role};
 use serde::{Deserialize, Serialize};
 
 use super::super::primitive::{Anchor, Point, Primitive, Rect};

@@ -1,6 +1,6 @@
 //! Points as squares of pixels, the nearest to the eye in front.
 
-use motionscope_core::Grid;
+use motionscope_core::geometry::Grid;
 use motionscope_core::scene::{CloudData, CloudPoint};
 
 use super::super::super::Theme;

@@ -5,8 +5,8 @@
 
 use glam::camera::rh::{proj::directx::perspective, view::look_at_mat4};
 use glam::{Mat4, Vec3};
-use motionscope_core::scene::{self, Footing, Readout, Surface};
-use motionscope_core::{Grid, Role, Step};
+use motionscope_core::geometry::Grid;
+use motionscope_core::scene::{self, Footing, Readout, Role, Step, Surface};
 
 use super::super::super::marks::Placement;
 use super::super::super::primitive::{Arrow, Arrows, Line, Point, Primitive, Rect, Trails};

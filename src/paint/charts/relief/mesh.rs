@@ -1,8 +1,7 @@
 //! The cost surface as triangles in space.
 
 use glam::Vec3;
-use motionscope_core::Role;
-use motionscope_core::scene::Surface;
+use motionscope_core::scene::{Role, Surface};
 
 use super::super::super::{Color, ColorMap, Theme, number};
 use super::super::heat_map::{Shades, any_cost};
@@ -329,7 +328,7 @@ fn normal(surface: &Surface, bench: &Bench, x: usize, y: usize) -> Vec3 {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::Grid;
+    use motionscope_core::geometry::Grid;
     use motionscope_core::scene::BetweenPixels;
 
     use super::*;

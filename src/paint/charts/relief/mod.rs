@@ -8,8 +8,7 @@ pub mod mesh;
 mod sheet;
 
 use glam::Vec3;
-use motionscope_core::Role;
-use motionscope_core::scene::{Axes, Surface};
+use motionscope_core::scene::{Axes, Role, Surface};
 
 use super::super::primitive::{Anchor, Line, Point, Primitive, Rect};
 use super::super::{Face, Layer, Theme, labels, number};
@@ -353,7 +352,7 @@ fn line_over(from: [f32; 2], to: [f32; 2]) -> impl Iterator<Item = [f32; 2]> {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::Grid;
+    use motionscope_core::geometry::Grid;
 
     use super::super::super::ColorMap;
     use super::super::{flat, texts};

@@ -209,7 +209,7 @@ fn dimmed(color: Color) -> Color {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::Grid;
+    use motionscope_core::geometry::Grid;
 
     use super::super::super::super::primitive::Rect;
     use super::super::super::super::{ColorMap, Theme};

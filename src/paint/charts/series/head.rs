@@ -1,7 +1,7 @@
 //! What stands above a plot: what is plotted, and the names of its lines, bands and thresholds with their values.
 
-use motionscope_core::scene::{Band, Series};
-use motionscope_core::{Role, fixed};
+use motionscope_core::base::words::fixed;
+use motionscope_core::scene::{Band, Role, Series};
 
 use super::{ARROW, Plot, Plotted, THRESHOLD, are_marks, nearest, ring, value};
 use crate::paint::charts::canvas::{Canvas, Level, Type, shortened, solid};

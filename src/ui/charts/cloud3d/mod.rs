@@ -9,8 +9,7 @@ use std::sync::Arc;
 
 use eframe::egui::{self, Color32, CursorIcon, Painter, PointerButton, Pos2, Rect, Sense, Shape, Ui, pos2, vec2};
 use eframe::egui_wgpu::RenderState;
-use motionscope_core::Step;
-use motionscope_core::scene::Cloud;
+use motionscope_core::scene::{Cloud, Step};
 use serde::{Deserialize, Serialize};
 
 use crate::paint::charts::cloud::{Around, SIDES_PT, Shown, Viewpoint, World, around, color, draw, summary};

@@ -4,7 +4,8 @@ use std::time::Instant;
 
 use eframe::egui::{Align, Button, Label, Layout, RichText, Ui};
 use lucide_icons::Icon;
-use motionscope_core::{capital, estimator};
+use motionscope_core::base::words::capital;
+use motionscope_core::course::estimator;
 
 use super::{Keys, State, countdown};
 use crate::media::camera::Size;

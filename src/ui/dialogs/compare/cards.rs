@@ -5,7 +5,7 @@ use std::sync::Arc;
 use eframe::egui::{
     self, Align, FontId, Label, Layout, Rect, RichText, Stroke, StrokeKind, TextStyle, Ui, Vec2, WidgetInfo, vec2,
 };
-use motionscope_core::capital;
+use motionscope_core::base::words::capital;
 
 use crate::experiment::comparison::{Row, conclusion};
 use crate::paint::Theme;

@@ -1,7 +1,8 @@
 //! The choice of the estimators that are compared.
 
 use eframe::egui::{Button, RichText, TextEdit, TextStyle, Ui, vec2};
-use motionscope_core::{Info, estimators};
+use motionscope_core::course::estimators;
+use motionscope_core::run::Info;
 
 use super::{MOST, State, step_by_step};
 use crate::ui::app::action::Actions;

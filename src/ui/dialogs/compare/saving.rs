@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use eframe::egui::{Label, RichText, TextStyle, Ui};
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 use motionscope_core::scene::Series;
 
 use super::{State, plotted};

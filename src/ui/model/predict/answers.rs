@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use motionscope_core::scene::{Answer, Asked, Focus, Mark, Picture, Question, Shape};
-use motionscope_core::{Role, Scene, fixed};
+use motionscope_core::base::words::fixed;
+use motionscope_core::scene::{Answer, Asked, Focus, Mark, Picture, Question, Role, Scene, Shape};
 
 use crate::ui::model::snapshot::Snapshot;
 use crate::view::moment::Moment;

@@ -67,7 +67,7 @@ mod tests {
     }
 
     const QUESTION: Question =
-        Question::place("where", "Where, or \"whither\"?", line::TEST, motionscope_core::Role::Best);
+        Question::place("where", "Where, or \"whither\"?", line::TEST, motionscope_core::scene::Role::Best);
 
     #[test]
     fn a_row_names_its_question() {

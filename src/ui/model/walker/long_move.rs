@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use motionscope_core::{self as core, Cursor, Move};
+use motionscope_core::run::{Cursor, Direction, Move};
 
 use super::run::Run;
 
@@ -38,7 +38,7 @@ impl LongMove {
         let end = Cursor { unit: usize::MAX, event: usize::MAX };
         let goal = match to {
             Move::To(cursor) => Some(cursor),
-            Move::End | Move::Granularity(0, core::Direction::Forward) => Some(end),
+            Move::End | Move::Granularity(0, Direction::Forward) => Some(end),
             Move::Granularity(..) => None,
         };
         // Several in lockstep count their work otherwise.

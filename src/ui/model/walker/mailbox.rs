@@ -4,8 +4,10 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use motionscope_core::base::{Error, Stop};
+use motionscope_core::data::Flow;
+use motionscope_core::run::{Direction, Move, Walk};
 use motionscope_core::scene::Focus;
-use motionscope_core::{Direction, Error, Flow, Move, Stop, Walk};
 
 use super::Marks;
 use crate::experiment::Prepared;

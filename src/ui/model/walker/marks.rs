@@ -2,7 +2,8 @@
 
 use std::time::Instant;
 
-use motionscope_core::{Cursor, Direction, Move, Role, Walk};
+use motionscope_core::run::{Cursor, Direction, Move, Walk};
+use motionscope_core::scene::Role;
 
 use super::{SLOW_AFTER, Worker};
 

@@ -4,8 +4,10 @@ use std::cell::{Cell, OnceCell, RefCell};
 use std::convert::Infallible;
 use std::sync::Arc;
 
+use motionscope_core::base::{Error, Stop};
+use motionscope_core::data::{Clip, Flow};
+use motionscope_core::run::{Cursor, Walk};
 use motionscope_core::scene::{Focus, Picture};
-use motionscope_core::{Clip, Cursor, Error, Flow, Stop, Walk};
 
 use crate::experiment::Prepared;
 use crate::paint::{FlowLayer, Pictures};

@@ -2,8 +2,12 @@
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
+use motionscope_core::base::Stop;
+use motionscope_core::course::estimator;
+use motionscope_core::data::{Clip, Flow, Frame, FrameSource};
+use motionscope_core::geometry::Grid;
+use motionscope_core::run::Cursor;
 use motionscope_core::scene::{Picture, Readout};
-use motionscope_core::{Clip, Cursor, Flow, Frame, FrameSource, Grid, Stop, estimator};
 
 use super::super::snapshot::Near;
 use super::*;
@@ -298,7 +302,7 @@ impl FrameSource for Uncancellable {
     }
 }
 
-impl motionscope_core::Truth for Uncancellable {
+impl motionscope_core::data::Truth for Uncancellable {
     fn flow(&self, _t: usize) -> Result<Option<Arc<Flow>>, Error> {
         self.wait();
         Ok(None)
@@ -389,7 +393,7 @@ impl FrameSource for SlowFrames {
 
 #[test]
 fn a_long_run_shows_how_far_it_has_come_and_can_be_stopped_there() {
-    let info = motionscope_core::ClipInfo { frames: Some(200), ..clip().info().clone() };
+    let info = motionscope_core::data::ClipInfo { frames: Some(200), ..clip().info().clone() };
     let clip = Clip::new(info, Arc::new(SlowFrames(clip())));
     let estimator = estimator("frame-difference").unwrap();
     let walker = Walker::new(|| {}).unwrap();

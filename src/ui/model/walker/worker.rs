@@ -5,8 +5,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, PoisonError};
 use std::time::Instant;
 
+use motionscope_core::base::{Error, Stop};
+use motionscope_core::data::{Clip, Flow};
+use motionscope_core::run::{Cursor, Explained, Move};
 use motionscope_core::scene::Focus;
-use motionscope_core::{Clip, Cursor, Error, Explained, Flow, Move, Stop};
 
 use super::long_move::LongMove;
 use super::mailbox::{Phase, Request, Shared};
