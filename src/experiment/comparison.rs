@@ -1,4 +1,8 @@
 //! The comparison of estimators: its rows, its columns, and the table as text, Markdown, CSV and JSON.
+//!
+//! `compare::Figures` of the core has the figures that only a comparison needs; time and assessment are added here. Command
+//! line and window show the same rows. A measure declares which of two of its values is better, from which `best.rs` finds the
+//! best rows, and `conclusion.rs` compares them with a reference in sentences.
 
 mod best;
 pub mod conclusion;

@@ -1,4 +1,7 @@
 //! Runs on frames as they come: pair after pair, or on through a clip that grows.
+//!
+//! Frames that arrive during a step are skipped. A run through the clip goes on with the next frame, others begin anew with
+//! each pair. Which estimators are fast enough to be offered is measured, not declared.
 
 use std::collections::VecDeque;
 use std::sync::mpsc::{RecvTimeoutError, channel};

@@ -1,4 +1,8 @@
 //! Experiments: the source of a clip, the estimators, the pixel to explain, and comparisons.
+//!
+//! An [`Experiment`] holds the source, ground truth and detections given explicitly, the estimator with its stages, those in
+//! lockstep, and the frame; a [`Position`] is a place in its run; [`Prepared`] has the clip open. Flags, sessions and undo all
+//! construct experiments. The look of a step (`view/look.rs`) is separate.
 
 pub mod comparison;
 pub mod course_table;

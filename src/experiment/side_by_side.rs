@@ -1,4 +1,7 @@
 //! The estimators in lockstep, shared by window, command line and sessions.
+//!
+//! They take over the parameters that they share with the leader. The same estimator may be there twice, with parameters of its
+//! own (`2.alpha=20`); `Estimator::CONTRASTS` proposes them.
 
 use std::collections::BTreeSet;
 

@@ -1,4 +1,7 @@
 //! The one frame cache: decodes on demand and remembers what it met, bounded in bytes.
+//!
+//! A format is a decoder without caching; this cache stands in front of all of them. Decoders check the clip's `Stop` before
+//! each frame and report progress to it.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;

@@ -1,6 +1,10 @@
 //! Focus: the part of the picture in which a step works, and how closely it is shown.
 //!
 //! The bounds come from the marks of a scene by their roles, so that every estimator has them and none is named.
+//!
+//! `Work::of` takes the bounds, `CloseUp::of` the magnification of all pictures beside each other in coarse steps; figures and
+//! the stage (`ui/stage/follow.rs`) ask the same. A zoom by hand pauses the focus; `Angles::section`, the part then shown, is
+//! what files and sessions show.
 
 mod local;
 

@@ -1,4 +1,8 @@
 //! Freehand ink: lines drawn by hand on a picture or a chart of a step, in the coordinates of that.
+//!
+//! A [`FreehandLine`] has the coordinates of its [`Ground`], a picture or a chart, and the step and estimator that it belongs
+//! to. It becomes primitives like the marks, so pictures, sheets and animations show it. Ink of a chart remembers the
+//! viewpoint, section or scroll position in which it was drawn, and is seen in that one alone.
 
 use std::str::FromStr;
 

@@ -4,6 +4,8 @@
 //! words and pictures. Every painter walks that one list: the window's stage, [`export_png`], [`export_svg`] and
 //! [`export_pdf`].
 //! A [`Figure`] is what one exported picture consists of. Nothing here needs a window or a GPU.
+//!
+//! `paint` maps roles to inks by theme and marks to primitives.
 
 pub mod charts;
 mod color;

@@ -1,4 +1,8 @@
 //! The three themes: how each role is inked, and the colours and sizes of everything around the pictures.
+//!
+//! `Theme::ink` is a role over footage, with a halo, `Theme::stroke` the same for lines and points on a panel, `Theme::word`
+//! for words. Tests measure each against its ground, also as dichromats see it, and require that two roles differ in dash,
+//! shape or colour. Marks of an identity have its colour (`Mark::of`), as have its entries in legend and table.
 
 use motionscope_core::scene::Role;
 

@@ -1,6 +1,9 @@
 //! The export of results: a module for each kind of file, and [`EXPORTS`], their list.
 //!
 //! The flags of `motionscope run`, the window's dialogs and the files follow from it.
+//!
+//! An [`Export`] declares the flag, the formats and the kinds of products; the protection of inputs and the writing follow from
+//! it as well. A new kind of result is a module here and one in the core's `products`, with a line in each list.
 
 mod cloud;
 mod disparity;

@@ -1,4 +1,7 @@
 //! Search over all text: lessons, glossary, estimators, parameters, charts and examples, for the window and the command line.
+//!
+//! [`search()`] ranks entries: titles come before text, phrases before words. [`suggest`] replaces words that nothing has by
+//! the nearest of titles, or else of texts. A [`Target`] says what is opened, in the window and as arguments of the program.
 
 mod entries;
 mod spelling;

@@ -1,4 +1,6 @@
 //! The handout of a lesson: its pages on sheets of paper, words that can be read in print beside their pictures.
+//!
+//! A sheet of panes is laid out for its slot; a page whose words do not fit has a sheet of its own.
 
 use std::str::FromStr;
 

@@ -1,5 +1,8 @@
 //! The view options, declared once: flags of the command line, the `[picture]` section of a session and the settings of the window
 //! all follow from the entries of [`Look`].
+//!
+//! `Changes` are the options that are set explicitly. A new option is a line in the declaration and its effect in
+//! `rendering.rs`; a test sets every option by flag, session and window and compares the pictures.
 
 mod values;
 

@@ -1,6 +1,10 @@
 //! The motion of every pixel as shown: flow layers, streaklines, and the forward–backward check.
 //!
 //! The window, exported pictures and the command line share this code.
+//!
+//! `Motion::of` computes the chosen layer as a `Tint`: pixels with a legend, blended over frame t. `AvailableLayers` says which
+//! layers exist at a step, and why others do not. The backward flow for the forward–backward check is computed on a thread of
+//! its own when it is first needed.
 
 use std::cell::OnceCell;
 use std::sync::Arc;

@@ -1,4 +1,7 @@
 //! A sheet: the panes of a step arranged on one picture, the stage largest.
+//!
+//! Arrangements are tried in turn; the one with the largest stage in which all panes fit is taken, and the sheet is enlarged if
+//! none fits.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,7 @@
 //! Export of a range of steps as numbered pictures, or as one animation.
+//!
+//! One walk through the range serves all media. For an animation each step is kept as a PNG; `media/export/animation` puts them
+//! on one size, blends pictures between them if asked, and writes only the rectangle that changes.
 
 use std::path::Path;
 

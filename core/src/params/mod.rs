@@ -2,6 +2,12 @@
 //!
 //! Sliders, tooltips, `--set` flags, `motionscope list`, sessions and the property tests all read the
 //! same declaration, made with [`params!`](crate::params!) and [`choices!`](crate::choices!).
+//!
+//! Shared parameters are declared once: a field of a `params!` struct may be another such struct, whose parameters are inserted
+//! in its place with the field's defaults (`settings: Settings = Settings { opening: 1, ..Settings::default() }`). Behind the
+//! struct, `advanced { "name" }` names parameters that are seldom changed, and `when { "name": |p| condition, "Sentence."; }`
+//! says when one has an effect and why it has none otherwise; both reach into shared declarations. [`Params::idle`] gives the
+//! reason for the present values. A law changes each idle parameter and requires the same result.
 
 mod field;
 mod part;

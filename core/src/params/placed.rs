@@ -1,4 +1,6 @@
 //! Parameters that are placed on the picture: lines, a zone or several, a closed contour, points in frames.
+//!
+//! They are parsed, checked and moved here; in the window `ui/stage/placing.rs` handles the mouse.
 
 use std::fmt;
 use std::sync::Arc;

@@ -2,6 +2,12 @@
 //!
 //! A product owns its data, its table, its comparison with ground truth and its default view. [`KINDS`] is the one list of
 //! them: window, command line, comparison and export go through it.
+//!
+//! An estimator declares its products (`Estimator::PRODUCES`); `output.get::<DenseField>()` returns one from an [`Output`]. A
+//! [`Measure`] (key, definition, column, which of two values is better) is declared once; the JSON of a run, the facts in the
+//! window and the columns of a comparison follow from it. Each pixel of a block vector field moves with the block whose centre
+//! is nearest, and blocks at the right and bottom edges are cut to the picture: this defines dense flow, prediction and errors
+//! of block vectors.
 
 mod assessment;
 mod block_vectors;

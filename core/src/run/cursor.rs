@@ -1,4 +1,6 @@
 //! A place in a run, as it is counted and written.
+//!
+//! It is written `UNIT.EVENT`: `0.0` is the start of a run, and `7.n` with the last event n is the end of unit 7.
 
 use crate::base::Error;
 

@@ -1,4 +1,14 @@
 //! The trait of all estimators: a declaration, a unit of work, and its presentation.
+//!
+//! An estimator has a *state*, processes one *unit* at a time ([`Estimator::advance`]), and reports the *events* inside a unit
+//! to an observer. The fast run, stepping in both directions, benchmarks and laws all use this one loop: it is generic over the
+//! observer, and the observer `()` ignores events at no cost, so the loop that is explained is the loop that is timed. `run`
+//! may distribute units over threads; a law requires bit-identical results. It counts units and events on the way (`Tally`), so
+//! nothing runs twice to be counted.
+//!
+//! `advance` returns a `Result` because a frame may turn out to be damaged during a run: the run then ends with an error, and
+//! the results so far remain. A run may cover a whole clip ([`Estimator::at_frame`]); if the number of frames is unknown, it
+//! ends where `Clip::has_frame` returns false.
 
 use std::any::Any;
 

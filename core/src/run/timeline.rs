@@ -1,4 +1,10 @@
 //! Walks of any estimator, forwards and backwards: checkpoints, and replay of one unit for everything in between.
+//!
+//! Stepping back is recomputation. A [`Timeline`] keeps checkpoints of the state within a memory budget, drops every other one
+//! when the budget is used up, and replays from the nearest one. The unit at the cursor is run once with its events stored, so
+//! stepping inside it is immediate. `go` requests a move and `work` executes it in slices. `Estimator::at_rest` drops from a
+//! checkpoint everything that can be recomputed from the frames. A law counts the work in pixels (`base/effort.rs`): showing
+//! the last step takes at most twice the work of a run.
 
 use std::collections::BTreeMap;
 use std::time::Duration;

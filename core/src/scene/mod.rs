@@ -1,6 +1,10 @@
 //! Scenes and explanations: marks in image pixels, sentences and charts, each with roles.
 //!
 //! A scene is data. Painters (window, PNG, SVG) choose colours, dashes and halos by [`Role`].
+//!
+//! Marks have image coordinates: x right, y down, pixel centres at integers. `Scene::work` gives the pixels of a step where its
+//! marks do not tell them. A [`Readout`] is a further part of the explanation: an equation with numbers, pixel tiles, a series,
+//! a surface, matrices.
 
 mod case;
 mod cloud;

@@ -1,4 +1,14 @@
 //! The pictures of a step by name: marks, positions and pixels pointed at refer to them.
+//!
+//! A [`Picture`] consists of a viewpoint, a time relative to frame t, a pyramid level and a role (frame, reference, template,
+//! mosaic). Estimators state in which pictures they can explain pixels (`Pointed::takes`). `Scene::pictures` lists the pictures
+//! of a step, up to four, if they are not frames t and t + 1: frames of the clip, or pixels computed on demand
+//! ([`Pixels::Made`]) such as a background model. Pictures with the same coordinates are zoomed together
+//! ([`Picture::is_aligned_with`]). Where grays stand for a quantity, the canvas names it ([`Measured`]) for the title of the
+//! picture and the numbers of its pixels.
+//!
+//! Pixel `(x, y)` of level n lies at `(2ⁿ x, 2ⁿ y)`; `Scene::add_enlarged` scales marks of a level. The levels of a variational
+//! method are stretched over the picture instead (`Level::covering`).
 
 use std::fmt;
 use std::str::FromStr;

@@ -1,4 +1,7 @@
 //! Quantities that a model has for every pixel, as layers over frame t.
+//!
+//! The values are computed when they are shown. A new [`Quantity`] has its name, unit and definition here; menus, palette and
+//! flags follow.
 
 use std::fmt;
 use std::sync::Arc;

@@ -2,6 +2,11 @@
 //!
 //! A question is declared by what a step is: the line of pseudocode that it is at, the cases that it tells, a value, or the marks of a
 //! role. So the truth is that of the run itself, and nothing is computed twice.
+//!
+//! [`asked`] compares two steps and gives one of the questions that the second step answers; where it answers several, they
+//! take turns. A question may declare when its answer is obvious: with some cases (`unless_told`), in the first unit of a run,
+//! or again about the same reference (`once_per_reference`). Laws check that some run gives each answer, that places agree with
+//! the results, and that no choice has the same answer on all examples.
 
 use super::value::{Decimals, Value};
 use super::{Case, Name, Picture, Role, Scene, Shape, Step, Variable};

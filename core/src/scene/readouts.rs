@@ -1,4 +1,11 @@
 //! The contents beside the stage: equations, tables and charts, as data.
+//!
+//! A chart shows what is minimised or decided. A [`Plane`] of displacements may have the cost under its lines and points
+//! ([`PlaneCost::sampled`], computed when a step is explained); [`Regions`] are the classes of a decision in the plane of its
+//! two quantities, such as the eigenvalues of a structure tensor. A [`Surface`] keeps tested costs apart from those that a
+//! search skipped (`Surface::untested`), and may stand on a picture ([`Footing`]): window and figures then show it as a
+//! landscape, and a click on it finds the step of a candidate. `Estimator::CHARTS` declares the charts of an estimator, and a
+//! law checks them.
 
 use super::value::{Decimals, Value};
 use super::{Cloud, Diagram, Math, Picture, Role, Stack};

@@ -1,4 +1,11 @@
 //! The explanation of one step.
+//!
+//! `Estimator::step` puts the values of a step, names its line of pseudocode and its case, and adds formulas:
+//! `Step::at(line).fact(value::COST, c).say(case::BELOW).formula(r"c = {cost}")`. Sentence and formula keep the values that
+//! they show, so a tooltip has the definition, the JSON of a step has full precision, a question asks for a value or a case, a
+//! worksheet leaves values out, and the change from one step to the next is the set of values that differ. A template that
+//! names an undeclared value does not compile. A law replaces the words of every template by others, and all of this still
+//! works.
 
 use super::value::{Number, Value, Variable};
 use super::{Case, Fact, Math, Name, Readout, Sentence, latex};

@@ -2,6 +2,9 @@
 //!
 //! A [`CameraFeed`] delivers frames one after the other: the pipe of the user's own ffmpeg, or a moving test picture. A
 //! [`Camera`] reads it on a thread of its own and remembers the last seconds, of which [`keep`] makes a clip.
+//!
+//! Closing a camera waits a fraction of a second at most. A feed that cannot be interrupted is left behind, and the next camera
+//! waits on its own thread until all earlier ones have ended; the application keeps these in `Closing`.
 
 mod devices;
 mod ffmpeg;

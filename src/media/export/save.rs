@@ -1,4 +1,8 @@
 //! Atomic saving of files.
+//!
+//! A large file (a video, a copied recording) is made in a temporary folder beside its place and renamed. Results are saved
+//! with `save_result` and marked (`mark.rs`), and the search for ground truth skips marked files; only ground truth and
+//! sessions are saved with `save`.
 
 use std::env;
 use std::fs::{self, File, OpenOptions, Permissions};

@@ -1,4 +1,8 @@
 //! The right view of a clip, given or found beside it, and the calibration of both cameras.
+//!
+//! `Clip::with_right` refuses views of different sizes or lengths. A found view that does not fit causes a warning, a given one
+//! an error. Files named like two views of one moment are cut from the sequence (`keep_left`). Side-by-side frames are two
+//! decoders of one file, each of which keeps its half (`halves.rs`). Each view has a cache of half the limit.
 
 mod calibration;
 mod find;

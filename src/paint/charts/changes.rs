@@ -1,4 +1,6 @@
 //! The numbers of a step that differ from those of the step before.
+//!
+//! `Walk::step_before` gives the explanation one event earlier; the values of formulas and facts are compared with it.
 
 use motionscope_core::scene::{Fact, Math};
 

@@ -2,6 +2,9 @@
 //!
 //! The window shows these primitives and lays over them what follows the pointer; an exported sheet is made of the same.
 //! Each chart is a function of its data, the rectangle that it has, and a style.
+//!
+//! The window caches the shapes (`ui/drawing/chart.rs`); only the triangles of a 3-D surface and the points of a cloud may be
+//! drawn by the GPU, with the same projection.
 
 mod axis;
 mod canvas;

@@ -18,6 +18,10 @@
 //! ```
 //!
 //! `example = "full-search/aperture"` stands for clip, estimator, frame and parameters of that example.
+//!
+//! The header of a page has the keys of a session; clip, estimator, parameters and frame default to those of the page before.
+//! So a page is opened like a session, under a name of its own (`lesson:kalman-filter/3`), in the window and on the command
+//! line. A page with a mistake keeps its place and shows the line of the mistake.
 
 pub(crate) mod bundled;
 pub mod formula;

@@ -1,4 +1,7 @@
 //! Recordings of a camera: opening, keeping and saving them.
+//!
+//! A recording is a Y4M file in a temporary folder, opened like any other clip; nothing may refer to it before it is saved, and
+//! a request to quit is held once until then.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -1,4 +1,7 @@
 //! The way of the keyboard through the window: Tab from widget to widget, F6 from pane to pane, and the ring around what has it.
+//!
+//! It takes Tab and F6 before egui does, sorts the widgets of the last frame by their panes and in a pane by rows, and draws
+//! the one ring. No widget draws its own, and a test fails on a widget without a name.
 
 use eframe::egui::accesskit::{Action, ActionRequest, TreeId};
 use eframe::egui::{

@@ -1,4 +1,7 @@
 //! Presenting to a class: pointer, pen, full screen, and the presenter's window.
+//!
+//! That window is a second native viewport, or lies within the first one where there are none; its keys and buttons request the
+//! same actions. The next step comes from `ui/model/upcoming.rs`.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};

@@ -1,4 +1,7 @@
 //! The estimators by family, each with a small picture of a step, and first those that suit the clip.
+//!
+//! It serves header, parameters, lockstep and start page. Whether the clip suits an estimator follows from declarations and
+//! examples alone (`experiment/suitability.rs`).
 
 use std::cmp::Reverse;
 use std::ops::Range;

@@ -1,4 +1,6 @@
 //! The current experiment, and the experiments that wait while one of their stages is open.
+//!
+//! Undo restores those that wait.
 
 use motionscope_core::base::Error;
 use motionscope_core::data::Clip;

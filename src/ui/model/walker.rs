@@ -2,6 +2,9 @@
 //!
 //! Nothing here knows the window. A request never waits for an earlier one that takes long: it replaces it. What cannot be
 //! interrupted is left behind: another thread takes over, with what was shown last, and the old one ends when it can.
+//!
+//! A snapshot holds the experiment (`Prepared`) and the `Moment` shown; files are saved from it, never from settings changed
+//! since. A long move runs in slices, each of which is shown (`long_move.rs`).
 
 mod long_move;
 mod mailbox;

@@ -1,4 +1,7 @@
 //! Definitions of terms where the pointer or the keyboard is, and what on the stage they stand for.
+//!
+//! A `Block` of the explanation knows the positions of its terms, its symbols and the words in the colour of a role. Whatever
+//! the pointer is on is looked up in the legend of the scene (`Beside`), and the marks of that role are shown alone.
 
 use std::cell::Cell;
 

@@ -3,6 +3,16 @@
 //! The pictures come first. Everything else, which is words, the formula and a chart, stands in one region beside them or below
 //! them, whichever leaves the pictures larger. The region has what the pictures leave it: they keep the share of the window that a class
 //! can see, and no more than they can fill. Where the region has no room for formula and chart, one of them has the place of both.
+//!
+//! [`Room`] becomes an [`Arrangement`], with no state but the shares that the user drags. For each side, and for each way in
+//! which the pictures can share the stage (in columns, or one large with small ones in the region of the words), the words get
+//! their usual room, or as little less as leaves the pictures their share of the window; space that the pictures cannot fill
+//! goes back to the words, and the candidate with the largest pictures wins. Two pictures stay alike unless one alone would be
+//! about twice as large. In a lecture, in the projector theme and wherever a window is small for its type, only sentence and
+//! formula are shown, in larger type; full screen enlarges the whole interface. A window too small for its type gets smaller
+//! type (`zoom_that_fits`). Apart from the number of pictures, nothing depends on the step, so the stage stays where it is. A
+//! test lays out every estimator and every page of the lessons, and fails on overlaps, cut words and pictures below their
+//! share.
 
 use eframe::egui::{Rect, Vec2, pos2, vec2};
 use serde::{Deserialize, Serialize};

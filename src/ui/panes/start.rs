@@ -1,5 +1,9 @@
 //! The start page: samples that play under the pointer, the families of estimators, the lessons, what was open lately, and the ways
 //! to open anything else.
+//!
+//! It replaces all panes, and nothing below it is opened or run until it is left; `Situation` enables no command that would
+//! change a run. `Previews` makes the pictures of samples as cards come into sight, and the film of one card at a time, the one
+//! under the pointer or else the one with the keyboard.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, channel};

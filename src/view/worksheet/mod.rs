@@ -3,6 +3,12 @@
 //! Which numbers are results follows from the readouts alone, so every estimator has worksheets (`blanks.rs`). A number is left out only
 //! where it can be computed by hand from what is printed (`reach.rs`); otherwise the decision of the step is asked for (`decision.rs`).
 //! What would tell either is left out with it (`facts.rs`).
+//!
+//! A number that is left out is a box (`formula::blank`), an entry that is NaN, or an empty cell (`charts/table.rs`); the same
+//! parts are filled in for the answers. `equation.rs` finds the value behind the last sign of a formula, `blanks.rs` the
+//! matrices that the formulas define and the entries that no given matrix has, `grids.rs` cuts pixels and costs to a size that
+//! can be computed by hand, and `windows.rs` prints corners of compared windows with the sums of their other pixels.
+//! `settings.rs` lists every parameter with an effect.
 
 mod blanks;
 mod decision;

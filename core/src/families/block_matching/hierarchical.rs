@@ -11,6 +11,9 @@
 //!      │       │       1 3 3 3 2     3  all candidates within ±refinement range px of the best of them
 //!      └───────┘       . . . . .
 //! ```
+//!
+//! All levels have one block size, so a level has a quarter of the blocks of the next finer one; the search range is in px of
+//! level 0. A unit is a block of a level, and `unit_at` maps a block of the result to its unit.
 
 use std::cmp::Ordering;
 use std::sync::Arc;

@@ -1,4 +1,11 @@
 //! The parts that all block searches share: frames and blocks, search window, events, explanations and marks.
+//!
+//! A block search is its pattern: [`BlockSearch::search`] states which displacements a [`Tester`] tests, as in the paper. The
+//! tester enforces the search window, tests no candidate twice, keeps the minimum, counts, reports events, and refines the
+//! minimum to sub-pixel accuracy. Ties are resolved in favour of the shorter displacement, then of raster order, so the order
+//! of testing never changes a result. A blanket implementation turns every `BlockSearch` into an estimator. Predictive searches
+//! read the vectors of earlier blocks ([`Neighbours`]); threads process rows with the necessary delay, so results equal those
+//! of stepping. A search declares whether it may miss the global minimum (`Guarantee`), and the laws test that.
 
 mod explain;
 mod neighbours;

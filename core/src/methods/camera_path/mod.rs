@@ -1,4 +1,7 @@
 //! The path of a camera: motions of consecutive pairs of frames, chained, for estimators that register the frames of a clip.
+//!
+//! A stage of the kind `GlobalModel` makes a `ModelField` of each pair; `chain.rs` chains them to a `PathField`, whose pictures
+//! (`Views`) are warped when they are asked for. Stabilisation and mosaic make two passes: motions, then frames.
 
 mod canvas;
 mod chain;

@@ -1,6 +1,12 @@
 //! Matching costs: sums of absolute or squared differences, for one candidate or a whole search window.
 //!
 //! The kernels of a whole search window give exactly the results of [`until`] for each candidate, as a test checks.
+//!
+//! Full search reads frame t + 1 through a copy of the pixels that the search window reaches ([`Cut`]): the border rule is
+//! applied once, and the kernels read plain rows. Other searches read candidates from the picture and copy only those that
+//! cross its border. With AVX-512 the kernels compute eight candidates in x and four in y at once, with AVX2 two in y. They
+//! compute whole windows, so early termination saves no time here; its saving is reported in rows. Successive elimination
+//! compares lower bounds from sums over parts of a block (`bounds.rs`) before it computes a cost.
 
 pub mod bounds;
 pub mod products;

@@ -1,5 +1,9 @@
 //! Common parts of differential methods: derivatives of a pair of frames, gradient constraints, image warping, structure
 //! tensors, relaxation, flow fields, and how these are explained.
+//!
+//! A [`Scheme`] takes derivatives from frame t and from frame t + 1 warped by the current flow. Outside the picture the
+//! derivatives are NaN and excluded from every window; for filtering, images are extrapolated linearly beyond their borders
+//! (`filter::Beyond`).
 
 mod conclusion;
 mod derivatives;

@@ -1,4 +1,9 @@
 //! Feature detection by structure tensors, and feature tracking by Lucas and Kanade's method.
+//!
+//! [`Corners`] turns any [`Measure`] of a structure tensor into a detector: response, threshold, non-maximum suppression,
+//! selection at a minimum distance. Trackers ask a stage for keypoints and keep those with sufficient distance from existing
+//! features (`spread`). `tracker.rs` compares a window with a position (AVX2 or portable, bit-identical), `follow.rs` iterates
+//! through the pyramid after Bouguet, and `Account` produces the explanation for every tracker.
 
 pub mod affine;
 pub mod brief;

@@ -1,5 +1,7 @@
 //! The Kalman filter: R. E. Kalman, A new approach to linear filtering and prediction problems, 1960; motions, consistency and
 //! smoothing after Y. Bar-Shalom, X. R. Li and T. Kirubarajan, Estimation with applications to tracking and navigation, 2001.
+//!
+//! [`Filter`] is a filter whose motion model is chosen at run time (`any.rs`), over one of fixed dimension (`filter.rs`).
 
 mod any;
 pub mod chi_square;

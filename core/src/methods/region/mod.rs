@@ -2,6 +2,13 @@
 //!
 //! A [`RegionModel`] learns the object in the first frame and finds it in each later one; [`RegionTracking`] turns it into an
 //! estimator.
+//!
+//! All trackers share the start (`start.rs`: placed, from the truth, or in the middle), the path and the scores. The outcome
+//! for the region (`ending.rs`) chooses the conclusion, which also reports a region found again after a loss (`regained.rs`)
+//! and the content of a mask that left the object (`content.rs`). A refused region ends the run with the first frame and the
+//! reason. The product is a `RegionField`, which is also a track of one object. A model that knows the pixels of the object
+//! (`mask`) has a `MaskField` as well: contours do, snakes as a `Fit` to edges (`methods/contour`) and `chan-vese` with a level
+//! set function. Both start from a placed polygon, or from the ellipse in the region.
 
 pub(crate) mod color;
 mod conclusion;

@@ -1,4 +1,11 @@
 //! Background subtraction: a background model, a foreground mask, its clean-up by opening and closing, and blobs.
+//!
+//! [`Subtraction`] turns any [`Background`] into an estimator: initialisation, classification, update and explanation. A unit
+//! is a frame; its events are difference, decision, opening, closing, labelling and update. The initial model is the first
+//! frame or the median of frames from the whole run (`Initial`). Models with a background for each channel share the loop over
+//! pixels (`channels.rs`). `flow-magnitude` uses the previous frame as its model and a stage for the flow.
+//! `Background::accepted` gives the gray levels that are background at a pixel in the present frame; `history.rs` plots the
+//! levels of the last frames beside them.
 
 mod camera;
 mod channels;

@@ -2,6 +2,9 @@
 //!
 //! A method is a [`Model`]: its iteration, its energy, and the explanation of both. One blanket implementation makes
 //! every [`Model`] an estimator, [`Variational`].
+//!
+//! Energy, change and error are plotted after iterations 1, 2, 4, 8 and so on of each warp and after its last; those of the
+//! iteration at the cursor are computed when it is explained.
 
 mod declare;
 mod explain;

@@ -1,4 +1,6 @@
 //! Trajectories: velocity, line crossings, dwell time in a zone, and anomalous directions of a track.
+//!
+//! They are counted from the confirmation of a track on.
 
 use crate::base::words::heading_deg;
 use crate::geometry::Bounds;

@@ -2,6 +2,9 @@
 //!
 //! What a step is depends on the [`Pace`]. Block searches can be held at the same block and candidate (`candidates.rs`);
 //! all others at the stops of a granularity that they share, such as a frame or an iteration (`stops.rs`).
+//!
+//! Either is a [`Walk`] itself, so stepping needs no special case; [`Walk::beside`] returns the step and the scene of each
+//! member. `companions` says which estimators can go together, and why others cannot.
 
 mod candidates;
 mod stops;

@@ -1,4 +1,17 @@
 //! Stages: estimators inside others, each chosen by its product, with its own parameters.
+//!
+//! A parameter of type [`Stage<M>`] is an estimator with the product `M`. Its parameters have dotted names
+//! (`detector.learning-rate`), and a chain may be long: mixture of Gaussians, connected components, Kalman tracker and
+//! trajectory analysis are a chain of four. `kinds.rs` lists the products that can be asked for. An estimator with another
+//! product is refused, and so is one that could contain itself.
+//!
+//! The results of a stage are computed on demand and shared by all copies of a state ([`Frames`]). [`open()`] describes how a
+//! stage is walked by itself: the frames that it processes may be earlier frames or a pyramid level (`Estimator::stage_view`).
+//! An estimator that depends on few earlier frames (`Estimator::earlier_frames`) begins shortly before the frame shown. The
+//! coarse search of hierarchical search is a stage that lends only its pattern (`Estimator::lends`), because each level has its
+//! own blocks and costs.
+//!
+//! This layer cannot see the estimators: it declares [`Entries`], which the registry of the course implements for [`Course`].
 
 mod chosen;
 mod entries;

@@ -2,6 +2,8 @@
 //!
 //! The picture is the ground of the world in which the surface lies. As long as it is flat, the camera sees it exactly where it
 //! is placed; leaned back, the camera stands where one looks from on the surface in its chart.
+//!
+//! Mesh, axes, pins and the renderer of the graphics card are those of the chart.
 
 use glam::camera::rh::{proj::directx::perspective, view::look_at_mat4};
 use glam::{Mat4, Vec3};

@@ -1,4 +1,10 @@
 //! Robust estimation of a geometric model from matches: RANSAC as an estimator, for any model.
+//!
+//! [`Robust`] turns any [`RobustModel`] into an estimator: fits to a sample and to inliers, and a distance. It draws samples,
+//! counts inliers, keeps the best model and explains each step; [`Robust::estimate`] is the same loop on given matches.
+//! [`RobustModel::sequel`] explains steps that follow from the final model: registration, guided matching, rectification. The
+//! products are a `ModelField`, one transformation of the plane with a flow at every pixel, and an `EpipolarField`, which has
+//! none.
 
 mod charts;
 mod declare;
