@@ -3,6 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use motionscope::session::lesson;
+use motionscope_core::course::estimators;
+
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
@@ -10,7 +13,8 @@ fn root() -> &'static Path {
 /// The documents with their texts.
 fn documents() -> Vec<(PathBuf, String)> {
     let in_docs = std::fs::read_dir(root().join("docs")).expect("the folder of the documents");
-    let at_root = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md"].map(|name| root().join(name));
+    let pages = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "core/README.md"];
+    let at_root = pages.map(|name| root().join(name));
     let paths = in_docs.map(|entry| entry.expect("a document").path()).chain(at_root);
     let are_texts = paths.filter(|path| path.extension().is_some_and(|ending| ending == "md"));
     are_texts.map(|path| (path.clone(), std::fs::read_to_string(&path).expect("a text"))).collect()
@@ -65,4 +69,27 @@ fn every_command_is_read_by_the_program() {
         }
     }
     assert!(count > 40, "only {count} commands were read");
+}
+
+fn text_of(name: &str) -> String {
+    std::fs::read_to_string(root().join(name)).expect("a text")
+}
+
+#[test]
+fn the_newest_changes_are_those_of_the_version() {
+    let changes = text_of("CHANGELOG.md");
+    let newest = changes.lines().find_map(|line| line.strip_prefix("## ")).expect("a version");
+    assert_eq!(newest.split(',').next(), Some(env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn estimators_and_lessons_are_counted_right() {
+    let estimators = estimators().len();
+    assert!(text_of("README.md").contains(&format!("{estimators} estimators")), "there are {estimators} estimators");
+    assert!(
+        text_of("core/README.md").contains(&format!("There are {estimators},")),
+        "there are {estimators} estimators"
+    );
+    let lessons = lesson::all().len();
+    assert!(text_of("README.md").contains(&format!("{lessons} lessons")), "there are {lessons} lessons");
 }
