@@ -1,19 +1,20 @@
 //! Foundations: errors, words and numbers, threads, cancellation, and observers.
 
-pub mod clock;
+pub(crate) mod clock;
 pub mod effort;
-pub mod entropy;
+pub(crate) mod entropy;
 mod error;
 pub mod heap;
 mod observer;
 mod stop;
-pub mod threads;
-pub mod wide;
+pub(crate) mod threads;
+pub(crate) mod wide;
 pub mod words;
 
 pub use error::{Error, is_command, printable};
-pub use observer::{Count, Mapped, Observer, Tally};
+pub(crate) use observer::Mapped;
+pub use observer::{Count, Observer, Tally};
 pub use stop::Stop;
 pub(crate) use threads::Earlier;
 pub use threads::Threads;
-pub use wide::LANES;
+pub(crate) use wide::LANES;

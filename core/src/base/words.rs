@@ -26,13 +26,13 @@ pub fn rounded(v: f64, decimals: usize) -> f64 {
 
 /// The fewest further digits with which a formula, computed from its numbers as they are written, gives its result as it is written:
 /// `54.28 + 7.16 = 61.45` becomes `54.283 + 7.163 = 61.45`. `is_true` says whether it does with so many.
-pub fn further_digits(is_true: impl FnMut(&usize) -> bool) -> usize {
+pub(crate) fn further_digits(is_true: impl FnMut(&usize) -> bool) -> usize {
     const MOST: usize = 4;
     (0..MOST).find(is_true).unwrap_or(MOST)
 }
 
 /// The further digits with which the terms of a sum, written with this many decimals, give the sum as it is written.
-pub fn further_digits_of_sum(terms: &[f64], decimals: usize) -> usize {
+pub(crate) fn further_digits_of_sum(terms: &[f64], decimals: usize) -> usize {
     let sum = fixed(terms.iter().sum(), decimals);
     let written = |further: &usize| terms.iter().map(|term| rounded(*term, decimals + further)).sum();
     further_digits(|further| fixed(written(further), decimals) == sum)
@@ -54,7 +54,7 @@ pub fn with_power(value: f64) -> String {
 }
 
 /// A number with this many decimals before a power of ten.
-pub fn with_power_to(value: f64, decimals: usize) -> String {
+pub(crate) fn with_power_to(value: f64, decimals: usize) -> String {
     let digits = format!("{:.decimals$e}", value.abs());
     let (mantissa, exponent) = digits.split_once('e').unwrap_or((&digits, "0"));
     let sign = if value < 0.0 { "−" } else { "" };
@@ -85,7 +85,7 @@ pub fn plural(one: &str) -> String {
 }
 
 /// The message for an unknown name: the nearest of `names` if `given` looks like a misspelling of it, else all of them.
-pub fn there_is_no(kind: &str, given: &str, names: &[&str]) -> String {
+pub(crate) fn there_is_no(kind: &str, given: &str, names: &[&str]) -> String {
     match nearest(given, names.iter().copied()) {
         Some(name) => format!("there is no {kind} {given}; the nearest is {name}"),
         None => format!("there is no {kind} {given}; there are {}", names.join(", ")),
@@ -139,7 +139,7 @@ pub fn heading_deg([u, v]: [f64; 2]) -> f64 {
 }
 
 /// The same in whole degrees; to the left it is 180.
-pub fn whole_heading_deg(velocity: [f64; 2]) -> f64 {
+pub(crate) fn whole_heading_deg(velocity: [f64; 2]) -> f64 {
     let degrees = heading_deg(velocity).round();
     if degrees == -180.0 { 180.0 } else { degrees + 0.0 }
 }

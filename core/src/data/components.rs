@@ -161,7 +161,7 @@ impl Labelling {
 
 /// Returns `mask` without its connected components of fewer than `least` pixels: its area opening (L. Vincent, Morphological area
 /// openings and closings for grayscale images, Shape in Picture, 1992).
-pub fn area_opened(mut mask: Mask, connectivity: Connectivity, least: usize) -> Mask {
+pub(crate) fn area_opened(mut mask: Mask, connectivity: Connectivity, least: usize) -> Mask {
     let labelling = Labelling::of(&mask, connectivity);
     let finals = labelling.finals();
     let label = |run: &Run| finals.labels[run.label as usize] as usize - 1;

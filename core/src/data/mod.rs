@@ -13,14 +13,15 @@ mod stereo;
 mod true_mask;
 
 pub use clip::{Clip, ClipInfo, DepthSource, Flow, Frame, FrameSource, ObjectBox, Truth};
-pub use components::{Connectivity, Event as LabelEvent, Finals, Labelling, Run, area_opened};
+pub(crate) use components::area_opened;
+pub use components::{Connectivity, Event as LabelEvent, Finals, Labelling, Run};
 pub use detection::{Blob, Detection};
 pub use histogram::{Counted, Histogram};
 pub(crate) use interpolation::Between;
 pub use interpolation::Interpolation;
 pub use mask::{Mask, PackedMask};
-pub use morphology::MAX_RADIUS_PX;
 pub use pose::Pose;
-pub use scene_flow::{Measured, Sigma, SpaceMotion, mahalanobis_squared};
+pub(crate) use scene_flow::mahalanobis_squared;
+pub use scene_flow::{Measured, Sigma, SpaceMotion};
 pub use stereo::{Calibration, Disparity, Viewpoint};
 pub use true_mask::{MaskErrors, PixelClass, TrueMask};

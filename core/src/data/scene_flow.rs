@@ -94,7 +94,7 @@ impl SpaceMotion {
 }
 
 /// The squared Mahalanobis distance of a vector from zero; infinite for a singular covariance.
-pub fn mahalanobis_squared(vector: [f64; 3], covariance: &Covariance) -> f64 {
+pub(crate) fn mahalanobis_squared(vector: [f64; 3], covariance: &Covariance) -> f64 {
     let matrix = Matrix3::from_fn(|i, j| covariance[i][j]);
     let vector = Vector3::from(vector);
     matrix.try_inverse().map_or(f64::INFINITY, |inverse| (vector.transpose() * inverse * vector)[0])

@@ -2,14 +2,14 @@
 //! smaller.
 
 mod bounds;
-pub mod filter;
+pub(crate) mod filter;
 mod grid;
-pub mod polygon;
-pub mod pyramid;
+pub(crate) mod polygon;
+pub(crate) mod pyramid;
 mod rows;
-pub mod warp;
+pub(crate) mod warp;
 
 pub use bounds::Bounds;
-pub use filter::{Beyond, Numbers};
+pub(crate) use filter::{Beyond, Numbers};
 pub use grid::{Border, Gray, Grid};
-pub use warp::Sampling;
+pub(crate) use warp::Sampling;

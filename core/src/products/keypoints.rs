@@ -20,7 +20,7 @@ pub struct PointField {
 }
 
 /// Side of the described window in units of the scale σ: 4 cells of 3 σ each, as of SIFT.
-pub const WINDOW_SIGMAS: f32 = 12.0;
+pub(crate) const WINDOW_SIGMAS: f32 = 12.0;
 
 /// How a feature was detected.
 #[derive(Clone, Debug, Default, PartialEq)]

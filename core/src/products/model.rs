@@ -61,7 +61,7 @@ pub type Matrix3 = [[f64; 3]; 3];
 pub const IDENTITY: Matrix3 = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// Smallest third homogeneous coordinate of a position before the horizon.
-pub const HORIZON: f64 = 1e-9;
+pub(crate) const HORIZON: f64 = 1e-9;
 
 /// The position to which `matrix` maps a position; `None` where it lies on or behind the horizon.
 pub fn mapped(matrix: &Matrix3, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
@@ -110,7 +110,7 @@ pub fn oriented(matrix: &Matrix3, mut positions: impl Iterator<Item = [f64; 2]> 
 }
 
 /// The number of positions beyond the horizon from most of them.
-pub fn beyond_horizon(matrix: &Matrix3, positions: impl ExactSizeIterator<Item = [f64; 2]>) -> usize {
+pub(crate) fn beyond_horizon(matrix: &Matrix3, positions: impl ExactSizeIterator<Item = [f64; 2]>) -> usize {
     let count = positions.len();
     let positive = positions.filter(|at| depth(matrix, *at) > 0.0).count();
     positive.min(count - positive)

@@ -82,7 +82,7 @@ pub fn jitter(path: &[[f64; 2]]) -> Option<f64> {
 }
 
 /// The share of a picture that a frame warped by `correction` leaves empty, sampled on a lattice.
-pub fn empty_share(correction: &Matrix3, size: (usize, usize)) -> f64 {
+pub(crate) fn empty_share(correction: &Matrix3, size: (usize, usize)) -> f64 {
     const CELLS: usize = 48;
     let Some(back) = inverse(correction) else { return 1.0 };
     let at = |i: usize, extent: usize| (i as f64 + 0.5) / CELLS as f64 * extent as f64 - 0.5;

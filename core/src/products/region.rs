@@ -131,7 +131,7 @@ pub struct RegionScores {
 }
 
 /// The largest centre error of a precise frame, in px.
-pub const NEAR_PX: f64 = 20.0;
+pub(crate) const NEAR_PX: f64 = 20.0;
 /// Steps of the overlap threshold of the success curve from 0 to 1.
 const STEPS: usize = 20;
 
@@ -244,7 +244,7 @@ fn error(frame: usize, RegionFrame { region, is_lost, .. }: &RegionFrame, truth:
 }
 
 /// The area of the box around a region as a multiple of that of the true box.
-pub fn area_ratio(of: &RegionError) -> f64 {
+pub(crate) fn area_ratio(of: &RegionError) -> f64 {
     f64::from(of.bounds.area()) / f64::from(of.truth.area())
 }
 

@@ -51,7 +51,7 @@ pub fn repeatability(
 
 /// Compares the keypoints of frames t and t + 1 where the true flow is known. A keypoint of frame t counts where its true position in frame t + 1
 /// is known, in the picture and not `hidden`; one of frame t + 1 counts where a pixel of frame t leads to.
-pub fn repeatability_in_flow(
+pub(crate) fn repeatability_in_flow(
     [first, second]: [&PointField; 2],
     flow: &Flow,
     hidden: Option<&Grid<bool>>,
@@ -120,7 +120,7 @@ fn cover(seen: &mut Grid<bool>, triangle: &[[f32; 2]; 3]) {
 }
 
 /// Largest distance of a repeated keypoint from its true position in px.
-pub const TOLERANCE_PX: f64 = 1.5;
+pub(crate) const TOLERANCE_PX: f64 = 1.5;
 
 impl PointField {
     /// The repeatability of a detector whose result this is, given its result on frame t + 1; without figures where the true flow is not known.

@@ -129,7 +129,7 @@ impl Segment {
 ///
 /// # Panics
 /// If the sizes differ.
-pub fn relabel(labels: &Grid<u32>, before: Option<(&Grid<u32>, &Flow)>, unused: &mut u32) -> Grid<u32> {
+pub(crate) fn relabel(labels: &Grid<u32>, before: Option<(&Grid<u32>, &Flow)>, unused: &mut u32) -> Grid<u32> {
     let most = labels.cells().iter().copied().max().unwrap_or(0) as usize;
     let mut names = vec![0u32; most + 1];
     if let Some((known, flow)) = before {

@@ -13,6 +13,7 @@ mod quadrant_search;
 mod successive_elimination;
 mod three_step;
 
+pub use crate::methods::block_search::{BorderRule, Cost, Matching, Refinement, Settings, Subpixel};
 pub use adaptive_rood::AdaptiveRood;
 pub use diamond::Diamond;
 pub use four_step::FourStep;

@@ -11,12 +11,15 @@ mod phase_correlation;
 mod stabilization;
 mod template_matching;
 
-pub use epipolar_geometry::EpipolarGeometry;
+pub use crate::methods::camera_path::Blending;
+pub use crate::methods::correlation::Score;
+pub use crate::methods::geometric::robust::Robust;
+pub use epipolar_geometry::{EpipolarGeometry, Sampling};
 pub use feature_matching::FeatureMatching;
 pub use feature_tracker::FeatureTracker;
 pub use global_motion::GlobalMotion;
 pub use image_alignment::ImageAlignment;
 pub use mosaic::Mosaic;
-pub use phase_correlation::PhaseCorrelation;
+pub use phase_correlation::{PhaseCorrelation, Subpixel};
 pub use stabilization::Stabilization;
-pub use template_matching::TemplateMatching;
+pub use template_matching::{Method, TemplateMatching, Update};

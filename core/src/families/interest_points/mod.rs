@@ -7,7 +7,7 @@ mod shi_tomasi;
 mod sift;
 mod surf;
 
-pub use crate::methods::features::Corners;
+pub use crate::methods::features::{Corners, Selection, Settings};
 pub use fast::Fast;
 pub use harris::Harris;
 pub use orb::Orb;

@@ -5,8 +5,8 @@ mod motion_clustering;
 mod motion_layers;
 mod trajectory_clustering;
 
-pub use crate::methods::segmentation::{FlowInput, FlowSource};
+pub use crate::methods::segmentation::{FlowInput, FlowSource, SegmentationRun};
 pub use flow_segmentation::{FlowSegmentation, Growth};
 pub use motion_clustering::{Features, Method, MotionClustering, Selection};
 pub use motion_layers::MotionLayers;
-pub use trajectory_clustering::TrajectoryClustering;
+pub use trajectory_clustering::{Choice, TrajectoryClustering};

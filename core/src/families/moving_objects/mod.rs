@@ -11,9 +11,11 @@ mod mixture_of_gaussians;
 mod running_average;
 mod single_gaussian;
 
-pub use crate::methods::subtraction::Subtraction;
+pub use crate::methods::subtraction::{
+    CameraMotion, Channels, Differencing, Exposure, Initial, Settings, ShadowDetection, Steadiness, Subtraction,
+};
 pub use compensated_difference::CompensatedDifference;
-pub use connected_components::ConnectedComponents;
+pub use connected_components::{ConnectedComponents, Pixels};
 pub use flow_magnitude::FlowMagnitude;
 pub use frame_difference::FrameDifference;
 pub use knn_background::KnnBackground;

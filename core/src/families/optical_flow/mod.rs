@@ -11,8 +11,8 @@ mod point_trajectories;
 mod pyramidal_lucas_kanade;
 mod tv_l1;
 
-pub use crate::methods::differential::Weights;
-pub use crate::methods::variational::Solver;
+pub use crate::methods::differential::{Scheme, Weights};
+pub use crate::methods::variational::{Settings, Solver, Variational};
 pub use clg::Clg;
 pub use farneback::Farneback;
 pub use horn_schunck::HornSchunck;

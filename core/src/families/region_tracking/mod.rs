@@ -11,12 +11,14 @@ mod particle_filter;
 mod rapid;
 mod template_tracker;
 
-pub use active_contour::ActiveContour;
+pub use crate::methods::contour::{Placement, Snake};
+pub use crate::methods::region::{RegionTracking, Settings};
+pub use active_contour::{ActiveContour, External};
 pub use camshift::Camshift;
 pub use chan_vese::ChanVese;
 pub use correlation_filter::CorrelationFilter;
 pub use greedy_contour::GreedyContour;
 pub use mean_shift::MeanShift;
-pub use particle_filter::ParticleFilter;
-pub use rapid::Rapid;
-pub use template_tracker::TemplateTracker;
+pub use particle_filter::{ParticleFilter, Resampling};
+pub use rapid::{Prediction, Rapid, Weighting};
+pub use template_tracker::{TemplateTracker, Update, Warp};

@@ -7,10 +7,14 @@ mod kalman_tracker;
 mod multiple_hypothesis;
 mod trajectory_analysis;
 
-pub use blob_tracker::BlobTracker;
+pub use crate::methods::multi_object::MultiTracking;
+pub use crate::methods::multi_object::chances::Chances;
+pub use crate::methods::multi_object::dynamics::{Dynamics, NoiseFrom};
+pub use crate::methods::multi_object::lifecycle::Rules;
+pub use blob_tracker::{BlobTracker, Identity};
 pub use joint_probabilistic::JointProbabilistic;
-pub use kalman_filter::KalmanFilter;
-pub use kalman_tracker::KalmanTracker;
+pub use kalman_filter::{Confidence, KalmanFilter};
+pub use kalman_tracker::{Association, KalmanTracker, PairCost};
 pub use multiple_hypothesis::MultipleHypothesis;
 pub use trajectory_analysis::TrajectoryAnalysis;
 

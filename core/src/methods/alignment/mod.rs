@@ -37,7 +37,7 @@ pub(crate) struct Increment {
 
 /// A template with its derivatives, and the group of its warps.
 #[derive(Clone, Copy)]
-pub(crate) struct Aligner<'a> {
+pub struct Aligner<'a> {
     pub model: Model,
     pub template: &'a Grid<f32>,
     /// Derivatives of the template along x and y, in gray levels/px.

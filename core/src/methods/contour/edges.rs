@@ -10,7 +10,7 @@ const LEAST_GRADIENT: f32 = 1.0;
 
 /// The edge strength in a window around a contour.
 #[derive(Clone, Debug)]
-pub(crate) struct Edges {
+pub struct Edges {
     /// The first pixel of the window.
     pub origin: [usize; 2],
     /// The edge strength f, 0 to 1: the gradient magnitude of the smoothed picture as a share of the steepest.

@@ -34,7 +34,7 @@ const LEAST_GRAY_RANGE: u8 = 8;
 
 /// The judgement of a fit.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Verdict {
+pub struct Verdict {
     /// Mean edge strength along the contour.
     pub strength: f32,
     /// The enclosed area in px²; negative if the contour has turned inside out.

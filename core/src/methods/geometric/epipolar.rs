@@ -35,7 +35,7 @@ const ROUNDS: usize = 6;
 
 /// The fundamental matrix that minimises the sum of squared Sampson distances: up to six rounds of the eight-point algorithm, each with
 /// weights from the estimate before, then steps to the minimum near by.
-pub fn least_sampson(matches: &[Correspondence]) -> Option<Matrix3> {
+pub(crate) fn least_sampson(matches: &[Correspondence]) -> Option<Matrix3> {
     let by = normalisations(matches)?;
     let mut numbers = vec![1.0; matches.len()];
     let mut matrix = weighted_eight_point(matches, &by, &numbers)?;
@@ -202,7 +202,7 @@ fn constraint(matrix: &Matrix3, m: &Correspondence) -> [f64; 2] {
 
 /// The squared Sampson distance of a correspondence in px²: first-order distance from the nearest pair that satisfies x′ᵀ F x = 0.
 #[inline(always)]
-pub fn sampson_squared(matrix: &Matrix3, m: &Correspondence) -> f64 {
+pub(crate) fn sampson_squared(matrix: &Matrix3, m: &Correspondence) -> f64 {
     let [value, gradient] = constraint(matrix, m);
     if gradient > 0.0 { value * value / gradient } else { f64::INFINITY }
 }
@@ -232,7 +232,7 @@ fn weights_body(matrix: &Matrix3, matches: &[Correspondence], weights: &mut [f64
 }
 
 /// The epipoles in frames t and t + 1 in homogeneous coordinates: F e = 0 and Fᵀ e′ = 0.
-pub fn epipoles(matrix: &Matrix3) -> Option<[[f64; 3]; 2]> {
+pub(crate) fn epipoles(matrix: &Matrix3) -> Option<[[f64; 3]; 2]> {
     let square = Square::from_fn(|i, j| matrix[i][j]);
     let svd = square.svd(true, true);
     let (u, v_t, least) = (svd.u?, svd.v_t?, svd.singular_values.imin());

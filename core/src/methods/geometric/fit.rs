@@ -129,7 +129,7 @@ fn homography(matches: &[Correspondence]) -> Option<Matrix3> {
 }
 
 /// The number of matches that the homography through all of them maps beyond its horizon from the others; `None` if they determine none.
-pub fn across_horizon(matches: &[Correspondence]) -> Option<usize> {
+pub(crate) fn across_horizon(matches: &[Correspondence]) -> Option<usize> {
     Some(beyond_horizon(&linear(matches)?, matches.iter().map(|m| m.from)))
 }
 

@@ -3,10 +3,10 @@
 pub mod epipolar;
 pub mod fit;
 mod moments;
-pub mod planar;
-pub mod ransac;
-pub mod rectify;
-pub mod refine;
+pub(crate) mod planar;
+pub(crate) mod ransac;
+pub(crate) mod rectify;
+pub(crate) mod refine;
 pub mod robust;
 mod sampson;
 pub mod system;

@@ -9,10 +9,10 @@ mod consistency;
 mod ellipse;
 mod filter;
 mod hill;
-pub mod interacting;
+pub(crate) mod interacting;
 mod motion;
-pub mod unscented;
-pub mod vocabulary;
+pub(crate) mod unscented;
+pub(crate) mod vocabulary;
 
 pub use any::{
     AssociationNumbers, Filter, Measurement, Model, MotionModel, Noises, PredictionNumbers, Sigma, UpdateNumbers,

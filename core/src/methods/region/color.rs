@@ -312,7 +312,7 @@ pub(crate) fn surroundings(frame: &Frame, binning: Binning, region: Region) -> V
 
 /// A histogram of shares, with sum 1.
 #[derive(Clone, Debug)]
-pub(crate) struct Histogram {
+pub struct Histogram {
     /// The bins.
     pub binning: Binning,
     /// The share of each bin.

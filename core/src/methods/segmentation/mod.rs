@@ -6,18 +6,18 @@
 //! sums do not depend on the number of threads. Affine motions of blocks are points as well, scaled so that their squared
 //! distance is the mean squared difference over the picture (`affine.rs`).
 
-pub mod affine;
-pub mod explain;
-pub mod forest;
-pub mod input;
-pub mod kmeans;
-pub mod mixture;
+pub(crate) mod affine;
+pub(crate) mod explain;
+pub(crate) mod forest;
+pub(crate) mod input;
+pub(crate) mod kmeans;
+pub(crate) mod mixture;
 pub mod points;
-pub mod record;
-pub mod run;
-pub mod seeds;
-pub mod shift;
-pub mod spectral;
+pub(crate) mod record;
+pub(crate) mod run;
+pub(crate) mod seeds;
+pub(crate) mod shift;
+pub(crate) mod spectral;
 
 pub use input::{FlowInput, FlowSource};
 pub use points::{Place, Points, squared_distance};

@@ -91,7 +91,7 @@ fn is_small(pairs: &Pairs) -> bool {
 ///
 /// # Errors
 /// If the work is cancelled.
-pub fn least_cost<E>(costs: &Pairs, budget: &mut WorkBudget<E>) -> Result<Assigned, E> {
+pub(crate) fn least_cost<E>(costs: &Pairs, budget: &mut WorkBudget<E>) -> Result<Assigned, E> {
     if is_small(costs) {
         return Ok(Assigned { columns: of_table(&costs.table(f64::INFINITY)), greedy: 0 });
     }
@@ -105,7 +105,7 @@ pub fn least_cost<E>(costs: &Pairs, budget: &mut WorkBudget<E>) -> Result<Assign
 ///
 /// # Errors
 /// If the work is cancelled.
-pub fn most_worth<E>(worths: &Pairs, budget: &mut WorkBudget<E>) -> Result<Assigned, E> {
+pub(crate) fn most_worth<E>(worths: &Pairs, budget: &mut WorkBudget<E>) -> Result<Assigned, E> {
     let costs = worths.filter_map(|_, _, worth| (worth > 0.0).then_some(-worth));
     if is_small(&costs) {
         let columns = of_table(&costs.table(0.0)).into_iter().enumerate();
@@ -360,7 +360,7 @@ impl<'a> Paths<'a> {
 
 /// Pairs the row and column of the least cost first, then the next, each at most once; those of one cost in the order of the
 /// table. Gives the column of each row.
-pub fn nearest_first(costs: &Pairs) -> Vec<Option<usize>> {
+pub(crate) fn nearest_first(costs: &Pairs) -> Vec<Option<usize>> {
     let mut order: Vec<(usize, usize, f64)> = costs.iter().collect();
     order.sort_by(|a, b| a.2.total_cmp(&b.2));
     let (mut of_row, mut is_taken) = (vec![None; costs.rows()], vec![false; costs.columns()]);

@@ -10,7 +10,7 @@ use std::ops::Range;
 use super::assignment::WorkBudget;
 
 /// The ways in which a row can stay without a column.
-pub const WAYS_ALONE: usize = 2;
+pub(crate) const WAYS_ALONE: usize = 2;
 
 /// What a row is assigned to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -241,7 +241,7 @@ fn boxes_of(field: &ObjectField, truth: &dyn Truth) -> Result<Option<Vec<(Boxes,
 ///
 /// # Errors
 /// If the truth cannot be read.
-pub fn scored_boxes(truth: &dyn Truth, t: usize, estimates: Boxes) -> Result<Option<(Boxes, Boxes)>, Error> {
+pub(crate) fn scored_boxes(truth: &dyn Truth, t: usize, estimates: Boxes) -> Result<Option<(Boxes, Boxes)>, Error> {
     let Some(objects) = truth.objects(t)? else { return Ok(None) };
     let boxes =
         |objects: &[ObjectBox]| objects.iter().map(|object| (object.id, Bounds::from(object))).collect::<Boxes>();
