@@ -8,7 +8,7 @@ use std::sync::Arc;
 use crate::base::{Error, Observer, effort};
 use crate::data::{Clip, Frame, Mask, PackedMask};
 use crate::geometry::{Bounds, Gray, Grid};
-use crate::methods::contour::explain::value as shared;
+use crate::methods::contour::vocabulary::value as shared;
 use crate::methods::contour::{LEAST_AREA_PX, Placement, filled};
 use crate::methods::region::{LOST, Refusal, RegionModel, Settings, Similarity, WHERE};
 use crate::products::{MaskField, Product, ProductKind, Region, RegionField, RegionFrame};

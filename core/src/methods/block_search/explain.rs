@@ -1,10 +1,9 @@
 //! A block search at a cursor: what the last event means, and what decided it.
 
 use super::probe::Probe;
-use super::search::line;
 use super::subpixel::has_lowest;
 use super::true_motion::CLOSE_PX;
-use super::vocabulary::{case, value};
+use super::vocabulary::{case, line, value};
 use super::whole_window::WholeWindow;
 use super::{Cost, Event, Fit, Match, Skipped, Stage, Subpixel};
 use crate::methods::cost::bounds::Parts;

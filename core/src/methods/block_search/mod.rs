@@ -7,6 +7,7 @@
 //! read the vectors of earlier blocks ([`Neighbours`]); threads process rows with the necessary delay, so results equal those
 //! of stepping. A search declares whether it may miss the global minimum (`Guarantee`), and the laws test that.
 
+mod estimator;
 mod explain;
 mod neighbours;
 mod pattern;
@@ -30,16 +31,17 @@ use crate::methods::cost::Cut;
 use crate::products::{Block, BlockGrid, BlockVector};
 use crate::scene::{Role, Step};
 
+pub(crate) use estimator::need;
 pub(crate) use explain::percent;
 pub use neighbours::Neighbours;
 pub use pattern::{Pattern, Relay};
 pub(crate) use probe::Probe;
 pub(crate) use rate::Rate;
 pub use search::BlockSearch;
-pub(crate) use search::{QUESTIONS, need, search_pseudocode};
+pub(crate) use search::{QUESTIONS, search_pseudocode};
 pub(crate) use settings::block_search_params;
-pub use settings::{BorderRule, Cost, HasSettings, Matching, Refinement, Settings};
-pub use subpixel::{Fit, Subpixel};
+pub use settings::{BorderRule, Cost, HasSettings, Matching, Refinement, Settings, Subpixel};
+pub use subpixel::Fit;
 pub use tester::Tester;
 pub(crate) use tester::{Workspace, around};
 pub(crate) use vocabulary::value;

@@ -1,6 +1,5 @@
 //! The parameters that all block searches have, declared once.
 
-use super::Subpixel;
 use super::vocabulary::value;
 use crate::data::Interpolation;
 use crate::geometry::Border;
@@ -179,6 +178,33 @@ params! {
         /// Matching cost between the block and a candidate. SSD and MSE differ by the factor N only: with λ = 0 they give
         /// the same motion vectors.
         cost: Cost = Cost::Sad;
+    }
+}
+
+choices! {
+    /// Sub-pixel refinement of the best whole-pixel displacement.
+    pub enum Subpixel {
+        /// No refinement: displacements in whole px.
+        None = "none" "Whole px",
+        /// Tests the 8 half-pixel positions around the best match on the interpolated frame t+1.
+        Half = "half" "Half px",
+        /// Tests the 8 half-pixel positions, then the 8 quarter-pixel positions around the best of them.
+        Quarter = "quarter" "Quarter px",
+        /// Fits a parabola through the costs at the best match and its two neighbours, along u and along v separately, and takes
+        /// its minimum. SSD is near a parabola on smooth texture; SAD has a sharper minimum. A diagonal valley is located
+        /// only roughly.
+        Parabola = "parabola" "Parabola",
+    }
+}
+
+impl Subpixel {
+    /// The number of tested positions per px.
+    pub(super) fn steps_per_px(self) -> i32 {
+        match self {
+            Subpixel::None | Subpixel::Parabola => 1,
+            Subpixel::Half => 2,
+            Subpixel::Quarter => 4,
+        }
     }
 }
 

@@ -1,44 +1,13 @@
 //! The last step of a search: sub-pixel refinement.
 
-use super::search::line;
-use super::vocabulary::{case, value};
-use super::{Event, Match, Stage, Tester, around};
+use super::tester::{BESIDE, around};
+use super::vocabulary::{case, line, value};
+use super::{Event, Match, Stage, Subpixel, Tester};
 use crate::base::Observer;
-use crate::choices;
 use crate::scene::Step;
-
-choices! {
-    /// Sub-pixel refinement of the best whole-pixel displacement.
-    pub enum Subpixel {
-        /// No refinement: displacements in whole px.
-        None = "none" "Whole px",
-        /// Tests the 8 half-pixel positions around the best match on the interpolated frame t+1.
-        Half = "half" "Half px",
-        /// Tests the 8 half-pixel positions, then the 8 quarter-pixel positions around the best of them.
-        Quarter = "quarter" "Quarter px",
-        /// Fits a parabola through the costs at the best match and its two neighbours, along u and along v separately, and takes
-        /// its minimum. SSD is near a parabola on smooth texture; SAD has a sharper minimum. A diagonal valley is located
-        /// only roughly.
-        Parabola = "parabola" "Parabola",
-    }
-}
-
-impl Subpixel {
-    /// The number of tested positions per px.
-    pub(super) fn steps_per_px(self) -> i32 {
-        match self {
-            Subpixel::None | Subpixel::Parabola => 1,
-            Subpixel::Half => 2,
-            Subpixel::Quarter => 4,
-        }
-    }
-}
 
 /// The eight points around a centre.
 const AROUND: [[i32; 2]; 8] = [[-1, -1], [0, -1], [1, -1], [-1, 0], [1, 0], [-1, 1], [0, 1], [1, 1]];
-/// Those beside, above and below it.
-pub(super) const BESIDE: [[i32; 2]; 4] = [[0, -1], [-1, 0], [1, 0], [0, 1]];
-
 /// A parabola through three costs, along u and along v.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {

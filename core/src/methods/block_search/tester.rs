@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use super::subpixel::BESIDE;
 use super::{Displacement, Event, Match, Neighbours, Pair, Patch, Rate, Settings, Skipped, Stage, Window};
 use crate::base::Observer;
 use crate::data::Between;
@@ -244,6 +243,9 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
 fn is_set(bits: &[u64], index: usize) -> bool {
     bits[index / 64] >> (index % 64) & 1 == 1
 }
+
+/// The points beside, above and below a centre.
+pub(super) const BESIDE: [[i32; 2]; 4] = [[0, -1], [-1, 0], [1, 0], [0, 1]];
 
 /// The candidates of `pattern`, enlarged by `scale`, around `centre`.
 pub(crate) fn around(

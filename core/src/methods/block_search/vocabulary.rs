@@ -7,6 +7,20 @@ const PLACE: Unit = Unit { name: "", ..Unit::DISPLACEMENT };
 /// A length in whole px.
 const WHOLE_PX: Unit = Unit::new("px", 0);
 
+/// The pseudocode lines that all searches have, and those of searches that reject or skip candidates early.
+pub(crate) mod line {
+    crate::line_names!(
+        EACH_BLOCK,
+        LAY_WINDOW,
+        REFINE_BEST,
+        SET_DISPLACEMENT,
+        COMPUTE_COST,
+        KEEP_BEST,
+        EXIT_EARLY,
+        SKIP_CANDIDATE
+    );
+}
+
 crate::variables! { pub(crate) mod value;
     /// The level of the pyramid; the picture itself is level 0.
     LEVEL: "Level", "", Unit::WHOLE;

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use super::differences::differences;
-use super::explain::case;
 use crate::base::{Error, Threads};
 use crate::data::Clip;
 use crate::geometry::Gray;
@@ -11,7 +10,6 @@ use crate::products::model::{IDENTITY, Matrix3, Model, Support, inverse, normali
 use crate::products::path::{bend, corner_error};
 use crate::products::{ModelField, PathField, Views};
 use crate::run::{GlobalModel, Granularity, Span, Stage, StageView, need};
-use crate::scene::{Question, Reply};
 
 /// The lines of the pseudocode that chain the motions.
 pub(crate) mod pairs_line {
@@ -30,16 +28,6 @@ macro_rules! path_pseudocode {
     };
 }
 pub(crate) use path_pseudocode;
-
-/// The question about the motion of a pair; a level one is not asked about.
-pub(crate) const DIRECTION: Question = Question::choice(
-    "direction",
-    "Does the background move up or down in the next pair?",
-    &[
-        Reply::told(pairs_line::ESTIMATE, case::DOWNWARDS, "Down"),
-        Reply::told(pairs_line::ESTIMATE, case::UPWARDS, "Up"),
-    ],
-);
 
 /// The motions so far, of the pairs from the first frame on.
 #[derive(Clone)]

@@ -6,7 +6,9 @@ use crate::data::Clip;
 use crate::geometry::Grid;
 use crate::products::model::{Matrix3, Support, inverse, mapped, product};
 use crate::products::path::{chained, corner_error, middle, track, true_motions};
-use crate::scene::{Case, Matrix, Name, Number, Picture, Readout, Role, Scene, Series, Shape, Step, Unit, Value};
+use crate::scene::{
+    Case, Matrix, Name, Number, Picture, Question, Readout, Reply, Role, Scene, Series, Shape, Step, Unit, Value,
+};
 use crate::{cases, variables};
 
 /// A matrix with its symbol and its name, to be shown.
@@ -109,6 +111,13 @@ cases! { pub over value;
                  similarity. A camera bends consecutive frames less, so matches on a moving object may be taken for the background; the model \
                  similarity avoids it.",
 }
+
+/// The question about the motion of a pair; a level one is not asked about.
+pub(crate) const DIRECTION: Question = Question::choice(
+    "direction",
+    "Does the background move up or down in the next pair?",
+    &[Reply::told(line::ESTIMATE, case::DOWNWARDS, "Down"), Reply::told(line::ESTIMATE, case::UPWARDS, "Up")],
+);
 
 /// The displacement of the middle of a picture by a map; not a number beyond the horizon.
 pub fn displacement(map: &Matrix3, size: (usize, usize)) -> [f64; 2] {

@@ -10,9 +10,10 @@ pub(crate) mod explain;
 mod smooth;
 
 pub use canvas::{Blending, Canvas, MOST_FRAMES, outline};
+pub(crate) use chain::path_pseudocode;
 pub use chain::{Chain, Link, Refused, usable};
-pub(crate) use chain::{DIRECTION, path_pseudocode};
 pub use differences::differences;
+pub(crate) use explain::DIRECTION;
 pub use explain::{
     chain_step, conclude, displacement, draw_link, draw_outline, estimate_step, matrix, path_series, refusal,
 };

@@ -8,6 +8,7 @@ mod fit;
 mod pentadiagonal;
 mod snake;
 mod start;
+pub(crate) mod vocabulary;
 
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 //! What curves of points share: their parameters, their points, and whether a fit is accepted.
 
-use super::explain::{case, value};
+use super::vocabulary::{case, value};
 use super::{Edges, LEAST_AREA_PX, Placement, Point};
 use crate::data::Frame;
 use crate::geometry::polygon;

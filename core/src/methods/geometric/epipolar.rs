@@ -3,8 +3,9 @@
 
 use nalgebra::{Matrix3 as Square, SVector, Vector3};
 
-use super::fit::{Normalisation, product};
+use super::fit::product;
 use super::moments::{Moments, Normal};
+use super::normalisation::Normalisation;
 use super::{Correspondence, sampson};
 use crate::base::wide::wide;
 use crate::products::epipolar::Pose;

@@ -3,6 +3,7 @@
 pub mod epipolar;
 pub mod fit;
 mod moments;
+mod normalisation;
 pub(crate) mod planar;
 pub(crate) mod ransac;
 pub(crate) mod rectify;

@@ -3,7 +3,7 @@
 use nalgebra::SMatrix;
 
 use super::Correspondence;
-use super::fit::Normalisation;
+use super::normalisation::Normalisation;
 use crate::base::wide::wide;
 
 /// A symmetric 9×9 matrix.

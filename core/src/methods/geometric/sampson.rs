@@ -4,7 +4,8 @@
 use nalgebra::{Matrix3 as Square, SMatrix, SVector, Vector3};
 
 use super::Correspondence;
-use super::fit::{Normalisation, product};
+use super::fit::product;
+use super::normalisation::Normalisation;
 use crate::products::model::Matrix3;
 
 /// Degrees of freedom: three rotations of each orthogonal factor, and the ratio of the singular values.

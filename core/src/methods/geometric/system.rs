@@ -3,8 +3,9 @@
 use nalgebra::Matrix3 as Square;
 
 use super::Correspondence;
-use super::fit::{Normalisation, normal_equations};
+use super::fit::normal_equations;
 use super::moments::{Moments, Normal};
+use super::normalisation::Normalisation;
 use crate::geometry::Grid;
 use crate::products::model::Matrix3;
 use crate::scene::Matrix;

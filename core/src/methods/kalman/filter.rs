@@ -2,27 +2,8 @@
 
 use nalgebra::{Cholesky, Const, SMatrix, SVector};
 
+use super::estimate::{Estimate, Prediction, symmetric};
 use super::{Motion, unscented};
-
-/// A state estimate of dimension `N`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate<const N: usize> {
-    /// The state x.
-    pub state: SVector<f64, N>,
-    /// Its covariance P.
-    pub covariance: SMatrix<f64, N, N>,
-}
-
-/// A prediction and its matrices.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Prediction<const N: usize> {
-    /// State transition F; of a nonlinear motion the Jacobian, or the statistical linearisation by sigma points.
-    pub transition: SMatrix<f64, N, N>,
-    /// Process noise covariance Q.
-    pub noise: SMatrix<f64, N, N>,
-    /// The predicted estimate.
-    pub estimate: Estimate<N>,
-}
 
 /// A sensor of `M` components of a state of dimension `N`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -161,11 +142,6 @@ impl<const N: usize> Estimate<N> {
         let factor = Cholesky::new(self.covariance)?;
         Some(factor.l_dirty().solve_lower_triangular(&(truth - self.state))?.norm_squared())
     }
-}
-
-/// Symmetrises a covariance against rounding.
-pub(super) fn symmetric<const N: usize>(matrix: SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
-    (matrix + matrix.transpose()) * 0.5
 }
 
 /// The smoothed estimate of a frame, given all later measurements.

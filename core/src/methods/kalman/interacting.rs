@@ -7,7 +7,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::filter::symmetric;
+use super::estimate::symmetric;
 use super::{Estimate, Sensor, Turn, Velocity};
 
 /// The models of the modes, and the probability of a switch between them.

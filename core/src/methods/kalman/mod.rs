@@ -7,6 +7,7 @@ mod any;
 pub mod chi_square;
 mod consistency;
 mod ellipse;
+mod estimate;
 mod filter;
 mod hill;
 pub(crate) mod interacting;
@@ -19,7 +20,8 @@ pub use any::{
 };
 pub use consistency::ConsistencyTest;
 pub use ellipse::ellipse;
-pub use filter::{Association, Estimate, Innovation, Prediction, Sensor, Smoothed, Update, smoothed};
+pub use estimate::{Estimate, Prediction};
+pub use filter::{Association, Innovation, Sensor, Smoothed, Update, smoothed};
 pub use hill::Surroundings;
 pub use interacting::{Interacting, Mixing, Modes};
 pub use motion::{Acceleration, Motion, Nonlinear, Turn, Velocity};

@@ -6,7 +6,8 @@
 
 use nalgebra::{Cholesky, Const, SMatrix, SVector};
 
-use super::{Estimate, Motion, Prediction};
+use super::Motion;
+use super::estimate::{Estimate, Prediction, symmetric};
 
 /// The square of the distance c of the points of a pair from the mean, in columns of the Cholesky factor: with n + κ = 3 the points
 /// have the kurtosis of a normal distribution along each column.
@@ -86,6 +87,6 @@ pub fn predicted<const N: usize>(estimate: &Estimate<N>, motion: &impl Motion<N>
     }
     let transition = drawn.factor.l().transpose().solve_upper_triangular(&differences.transpose())?.transpose();
     let (moments, noise) = (moved.moments(), motion.noise());
-    let covariance = super::filter::symmetric(moments.covariance + noise);
+    let covariance = symmetric(moments.covariance + noise);
     Some(Prediction { transition, noise, estimate: Estimate { state: moments.state, covariance } })
 }

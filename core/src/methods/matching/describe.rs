@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::settings::{DescriptorKind, PatchCost};
 use crate::base::{Error, Threads};
+use crate::choices;
 use crate::geometry::Gray;
 use crate::methods::features::brief::{self, Moments};
 use crate::methods::features::haar::{self, Blob};
@@ -12,6 +12,44 @@ use crate::methods::scale_space::{Descriptor as Gradients, Histogram, Place, Sca
 use crate::products::keypoints::Descriptor;
 use crate::products::{Feature, Keypoint, PointField};
 
+choices! {
+    /// Descriptor of the keypoints.
+    pub enum DescriptorKind {
+        /// That of the detector, if it has one; else patches.
+        Auto = "auto" "of the detector",
+        /// SIFT: histograms of gradient directions, compared by Euclidean distance.
+        Sift = "sift" "SIFT",
+        /// SURF: sums of Haar wavelet responses, compared by Euclidean distance.
+        Surf = "surf" "SURF",
+        /// ORB: 256 comparisons of pairs of windows on the picture itself, turned by the orientation, compared by Hamming distance.
+        Orb = "orb" "ORB",
+        /// Upright patches of gray values.
+        Patch = "patch" "Patches",
+    }
+}
+
+impl DescriptorKind {
+    /// Whether patches are compared, with some detector.
+    pub(super) fn may_be_patches(self) -> bool {
+        matches!(self, Self::Auto | Self::Patch)
+    }
+
+    /// Whether a detector of this id computes it by itself.
+    pub fn is_of(self, id: &str) -> bool {
+        matches!((self, id), (Self::Sift, "sift") | (Self::Surf, "surf") | (Self::Orb, "orb"))
+    }
+}
+
+choices! {
+    /// Comparison of patches.
+    pub enum PatchCost {
+        /// Root of the sum of squared differences.
+        Ssd = "ssd" "SSD",
+        /// Zero-mean normalised cross-correlation: invariant to gain and offset. The distance is √(2 − 2 ZNCC).
+        Zncc = "zncc" "ZNCC",
+    }
+}
+
 /// Keypoints of a frame with a descriptor each.
 #[derive(Clone, Debug)]
 pub struct Described {
@@ -19,6 +57,13 @@ pub struct Described {
     pub points: Vec<Feature>,
     /// Their detection results, each with a descriptor.
     pub keypoints: Vec<Keypoint>,
+}
+
+impl Described {
+    /// Memory of keypoints and descriptors in bytes.
+    pub fn bytes(&self) -> usize {
+        self.points.len() * 700
+    }
 }
 
 /// How keypoints are described.

@@ -2,51 +2,13 @@
 
 use std::sync::Arc;
 
-use super::describe::{Describe, Described, Patches};
+use super::describe::{Describe, Described, DescriptorKind, PatchCost, Patches};
 use super::nearest::Candidates;
 use crate::base::{Error, Threads};
 use crate::data::{Clip, Frame};
+use crate::params;
 use crate::products::Match;
 use crate::run::{Keypoints, Need, Stage};
-use crate::{choices, params};
-
-choices! {
-    /// Descriptor of the keypoints.
-    pub enum DescriptorKind {
-        /// That of the detector, if it has one; else patches.
-        Auto = "auto" "of the detector",
-        /// SIFT: histograms of gradient directions, compared by Euclidean distance.
-        Sift = "sift" "SIFT",
-        /// SURF: sums of Haar wavelet responses, compared by Euclidean distance.
-        Surf = "surf" "SURF",
-        /// ORB: 256 comparisons of pairs of windows on the picture itself, turned by the orientation, compared by Hamming distance.
-        Orb = "orb" "ORB",
-        /// Upright patches of gray values.
-        Patch = "patch" "Patches",
-    }
-}
-
-impl DescriptorKind {
-    /// Whether patches are compared, with some detector.
-    fn may_be_patches(self) -> bool {
-        matches!(self, Self::Auto | Self::Patch)
-    }
-
-    /// Whether a detector of this id computes it by itself.
-    pub fn is_of(self, id: &str) -> bool {
-        matches!((self, id), (Self::Sift, "sift") | (Self::Surf, "surf") | (Self::Orb, "orb"))
-    }
-}
-
-choices! {
-    /// Comparison of patches.
-    pub enum PatchCost {
-        /// Root of the sum of squared differences.
-        Ssd = "ssd" "SSD",
-        /// Zero-mean normalised cross-correlation: invariant to gain and offset. The distance is √(2 − 2 ZNCC).
-        Zncc = "zncc" "ZNCC",
-    }
-}
 
 params! {
     /// Parameters of the matching of keypoints.
@@ -153,12 +115,5 @@ impl Pair {
     /// Memory of keypoints and descriptors in bytes.
     pub fn bytes(&self) -> usize {
         self.sides.iter().map(Described::bytes).sum()
-    }
-}
-
-impl Described {
-    /// Memory of keypoints and descriptors in bytes.
-    pub fn bytes(&self) -> usize {
-        self.points.len() * 700
     }
 }

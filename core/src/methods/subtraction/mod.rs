@@ -9,6 +9,7 @@
 
 mod camera;
 mod channels;
+mod channelwise;
 mod charts;
 mod conclusion;
 mod declare;
@@ -29,9 +30,8 @@ use std::sync::Arc;
 pub use camera::{CameraMotion, Steadiness};
 pub(crate) use camera::{displaced, resampled, shifted};
 pub use channels::Channels;
-pub(crate) use channels::{
-    Channel, ChannelModel, Channelwise, Common, Planes, Row, SHADOW_SHARE, classify, largest, levels, luma,
-};
+pub(crate) use channels::{Channel, Row, largest, levels, luma};
+pub(crate) use channelwise::{ChannelModel, Channelwise, Common, Planes, SHADOW_SHARE, classify};
 pub(crate) use charts::plots;
 use declare::QUESTIONS;
 pub use declare::Settings;

@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use super::Settings;
+use super::model::Note;
 use super::model::{Explanation, Model, Probe};
-use super::run::{Event, Note, State, Variational};
+use super::run::{Event, State, Variational};
 use super::vocabulary::{case, value};
 use crate::geometry::Grid;
 use crate::methods::differential::explain::{self, View};

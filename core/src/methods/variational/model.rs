@@ -3,7 +3,6 @@
 use std::sync::{Arc, OnceLock};
 
 use super::Settings;
-use super::run::Note;
 use crate::base::Threads;
 use crate::methods::differential::{Advice, Field, Linear, relax, unit_of};
 use crate::params::Params;
@@ -109,6 +108,22 @@ pub struct Warp<M: Model> {
     pub linear: Linear,
     /// The method's coefficients.
     pub system: M::System,
+}
+
+/// Energy, change and error of an iteration.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Note {
+    /// The iteration in the run, from 1.
+    pub(super) number: usize,
+    /// Its level and its warp, from 0.
+    pub(super) place: (usize, usize),
+    /// Data term and smoothness term, per pixel.
+    pub(super) data: f32,
+    pub(super) smoothness: f32,
+    /// Mean change of the flow, in px of level 0.
+    pub(super) change: f32,
+    /// Mean endpoint error in px of level 0; NaN without truth.
+    pub(super) error: f32,
 }
 
 /// A completed iteration.

@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use super::declare::Settings;
-use super::model::{Iteration, Model, Unknowns, Warp};
+use super::model::{Iteration, Model, Note, Unknowns, Warp};
 use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::{Clip, Flow, Frame};
 use crate::geometry::{Grid, filter};
@@ -109,22 +109,6 @@ const TESTED: usize = 8;
 /// iteration, a walk stays about as fast as a run.
 fn until_plotted(iteration: usize) -> usize {
     (iteration + 1).next_power_of_two() - iteration
-}
-
-/// Energy, change and error of an iteration.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Note {
-    /// The iteration in the run, from 1.
-    pub(super) number: usize,
-    /// Its level and its warp, from 0.
-    pub(super) place: (usize, usize),
-    /// Data term and smoothness term, per pixel.
-    pub(super) data: f32,
-    pub(super) smoothness: f32,
-    /// Mean change of the flow, in px of level 0.
-    pub(super) change: f32,
-    /// Mean endpoint error in px of level 0; NaN without truth.
-    pub(super) error: f32,
 }
 
 /// An event of an iteration.

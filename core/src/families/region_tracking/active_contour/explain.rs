@@ -3,8 +3,8 @@
 use super::{ActiveContour, Energy, Event, External, Field, Iteration, Point};
 use crate::base::words::further_digits_of_sum;
 use crate::geometry::polygon;
-use crate::methods::contour::explain::{self, value as shared};
 use crate::methods::contour::{Model, Verdict};
+use crate::methods::contour::{explain, vocabulary::value as shared};
 use crate::methods::numbers::RATIO_DECIMALS;
 use crate::methods::region::{At, Ending, Explained};
 use crate::scene::{Readout, Role, Scene, Series, Step, Unit};

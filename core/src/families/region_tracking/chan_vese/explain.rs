@@ -6,7 +6,7 @@ use super::{ChanVese, Energy, Event, Field, Iteration, Judged, LEAST_AREA_PX, Lo
 use crate::base::words::further_digits_of_sum;
 use crate::data::Mask;
 use crate::geometry::Grid;
-use crate::methods::contour::explain::{AREA, value as shared};
+use crate::methods::contour::vocabulary::{AREA, value as shared};
 use crate::methods::numbers::RATIO_DECIMALS;
 use crate::methods::region::{At, Ending, Explained, Outcome};
 use crate::scene::{Picture, Readout, Role, Scene, Series, Shape, Step, Surface, Tile, Unit};

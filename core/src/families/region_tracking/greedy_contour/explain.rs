@@ -3,8 +3,8 @@
 use super::{Event, GreedyContour, Pass, Terms, Test};
 use crate::base::words::{fixed, further_digits, rounded};
 use crate::geometry::Grid;
-use crate::methods::contour::explain::{self, value as shared};
 use crate::methods::contour::{Model, Point, Verdict};
+use crate::methods::contour::{explain, vocabulary::value as shared};
 use crate::methods::numbers::RATIO_DECIMALS;
 use crate::methods::region::{At, Ending, Explained};
 use crate::scene::{Picture, Readout, Role, Scene, Series, Shape, Step, Tile, Unit};

@@ -1,11 +1,13 @@
 //! The charts of the particle filter.
 
 use super::cloud::{Estimate, Particle, effective};
-use super::explain::CIRCLES;
 use super::{Event, ParticleFilter, Resampled};
 use crate::geometry::Grid;
 use crate::methods::region::{At, plots};
 use crate::scene::{BetweenPixels, Picture, Readout, Role, Series, Surface};
+
+/// The most particles that are drawn with their weights.
+pub(super) const CIRCLES: usize = 400;
 
 impl ParticleFilter {
     /// The effective sample size over the frames.

@@ -1,6 +1,6 @@
 //! The explanation and the drawing of the particle filter.
 
-use super::charts::{by_weight, cumulative, density, weights};
+use super::charts::{CIRCLES, by_weight, cumulative, density, weights};
 use super::cloud::{Estimate, Particle, parts};
 use super::vocabulary::{case, value};
 use super::wheel::wheel;
@@ -11,8 +11,6 @@ use crate::methods::region::{At, Ending, Explained, Outcome, plots};
 use crate::products::Region;
 use crate::scene::{Arrow, Picture, Readout, Role, Scene, Shape, Step};
 
-/// The most particles that are drawn with their weights.
-pub(super) const CIRCLES: usize = 400;
 /// The radius of a particle of mean weight in px, and the smallest and largest of all.
 const RADIUS_PX: [f32; 3] = [1.5, 0.4, 8.0];
 /// The share of the particles inside the drawn ellipse, if they are normally distributed.
