@@ -19,7 +19,7 @@ impl ColorMap {
     pub const ALL: [ColorMap; 2] = [ColorMap::Viridis, ColorMap::Turbo];
 
     /// Stable name, for sessions and the command line.
-    pub fn id(self) -> &'static str {
+    pub const fn id(self) -> &'static str {
         match self {
             ColorMap::Viridis => "viridis",
             ColorMap::Turbo => "turbo",
@@ -28,7 +28,7 @@ impl ColorMap {
     }
 
     /// What it is for, in one sentence.
-    pub fn tip(self) -> &'static str {
+    pub const fn tip(self) -> &'static str {
         match self {
             ColorMap::Viridis => {
                 "Costs from violet to yellow, evenly in lightness: they print well and everyone can tell them apart."
@@ -39,7 +39,7 @@ impl ColorMap {
     }
 
     /// Name as shown.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             ColorMap::Viridis => "Viridis",
             ColorMap::Turbo => "Turbo",

@@ -15,7 +15,7 @@ use super::focus::{self, FocusMode, Work};
 use super::freehand::{FreehandLine, freehand};
 use super::legend::{self, Bar, line_height};
 use super::links::{LinkSite, links};
-use super::primitive::{Anchor, Line, Point, Primitive, Rect, Run, Stroke};
+use super::primitive::{Anchor, Layer, Line, Point, Primitive, Rect, Run, Stroke};
 use super::reduced::reduced;
 use super::wrap::{brevity, inked, wrap};
 use super::{
@@ -132,24 +132,6 @@ pub struct Part<'a> {
     /// Where there are several: the estimator's name, whether it waits for the others, and what it has come to, the
     /// first that there is room for being told.
     pub heading: Option<(&'a [String; 2], bool, &'a [Sentence])>,
-}
-
-/// Primitives that are seen only inside a rectangle.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Layer {
-    /// Nothing is painted outside, if there is one.
-    pub clip: Option<Rect>,
-    /// Back to front.
-    pub primitives: Vec<Primitive>,
-}
-
-impl Layer {
-    /// The same elsewhere.
-    #[must_use]
-    pub fn moved(self, by: Point) -> Self {
-        let primitives = self.primitives.into_iter().map(|primitive| primitive.moved(by)).collect();
-        Self { clip: self.clip.map(|clip| clip.moved(by)), primitives }
-    }
 }
 
 /// Everything of one exported picture, laid out in points.

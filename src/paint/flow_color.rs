@@ -2,7 +2,9 @@
 
 use std::f32::consts::TAU;
 
-use super::Color;
+use motionscope_core::Role;
+
+use super::{Color, Theme};
 
 /// How many hues lie between red and yellow, yellow and green, and so on round the wheel, so that steps look alike
 /// (S. Baker et al., A database and evaluation methodology for optical flow, IJCV 92(1), 2011).
@@ -67,6 +69,20 @@ const WHEEL: [[f32; 3]; HUES + 1] = {
     }
     wheel
 };
+
+/// Up to this share of the scale colours fade, so that what does not move is no veil over the picture.
+const FADED: f32 = 0.2;
+
+/// How much of its opacity a motion of this share of the scale has: none where nothing moves.
+pub(super) fn veil(share: f32) -> f32 {
+    (share / FADED).clamp(0.0, 1.0)
+}
+
+/// The two colours of pixels that failed a check, in stripes.
+pub(super) fn hatch() -> [Color; 2] {
+    let color = Theme::Dark.ink(Role::Error).color;
+    [color, color.mix(Color::BLACK, 0.72)]
+}
 
 #[cfg(test)]
 mod tests {

@@ -29,7 +29,7 @@ impl FocusMode {
     pub const ALL: [FocusMode; 3] = [FocusMode::Auto, FocusMode::On, FocusMode::Off];
 
     /// Stable name, for sessions and the command line.
-    pub fn id(self) -> &'static str {
+    pub const fn id(self) -> &'static str {
         match self {
             FocusMode::Auto => "auto",
             FocusMode::On => "on",
@@ -38,7 +38,7 @@ impl FocusMode {
     }
 
     /// Name as shown.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             FocusMode::Auto => "Focus where the work is small",
             FocusMode::On => "Focus at every step",
@@ -47,7 +47,7 @@ impl FocusMode {
     }
 
     /// What it shows, in one sentence.
-    pub fn tip(self) -> &'static str {
+    pub const fn tip(self) -> &'static str {
         match self {
             FocusMode::Auto => {
                 "Magnify the block, window or ellipse of the step where it takes less than 1/6 of the picture, the outline of a model \

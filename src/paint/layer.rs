@@ -7,8 +7,9 @@ use motionscope_core::data::Flow;
 use motionscope_core::geometry::Grid;
 use motionscope_core::scene::{Quantity, Role};
 
+use super::flow_color::{flow_color, hatch, veil};
 use super::legend::{Bar, Entry, Sample};
-use super::{Color, ColorMap, Theme, flow_color, number};
+use super::{ColorMap, number};
 
 /// How far a layer of colours hides the picture under it, from 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,14 +91,6 @@ pub fn dimmed(pixels: &Grid<[u8; 4]>) -> Grid<[u8; 4]> {
         let gray = (DIMMED * gray).round() as u8;
         [gray, gray, gray, a]
     })
-}
-
-/// Up to this share of the scale colours fade, so that what does not move is no veil over the picture.
-const FADED: f32 = 0.2;
-
-/// How much of its opacity a motion of this share of the scale has: none where nothing moves.
-pub(super) fn veil(share: f32) -> f32 {
-    (share / FADED).clamp(0.0, 1.0)
 }
 
 /// What is chosen of a layer.
@@ -392,12 +385,6 @@ fn colored<T: Sync>(values: &Grid<T>, color: impl Fn(&T) -> [u8; 4] + Sync) -> G
         row.iter_mut().zip(values.row(y)).for_each(|(to, from)| *to = color(from));
     });
     pixels
-}
-
-/// The two colours of pixels that failed a check, in stripes.
-pub(super) fn hatch() -> [Color; 2] {
-    let color = Theme::Dark.ink(Role::Error).color;
-    [color, color.mix(Color::BLACK, 0.72)]
 }
 
 /// Paints the pixels of `marks` in stripes, so that they can be told without colours.

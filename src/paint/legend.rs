@@ -5,9 +5,10 @@ use std::sync::Arc;
 use motionscope_core::geometry::Grid;
 use motionscope_core::scene::{Mark, Role, Scene, Shape};
 
+use super::flow_color::{flow_color, hatch, veil};
 use super::primitive::{Anchor, Arrows, Line, Pen, Point, Primitive, Rect, Run, Stroke};
 use super::wrap::wrap;
-use super::{Color, ColorMap, Face, Ink, Look, Theme, flow_color, fonts, layer, marks, number};
+use super::{Color, ColorMap, Face, Ink, Look, Theme, fonts, marks, mask, number};
 
 /// Width and height of a swatch.
 pub const SWATCH: [f32; 2] = [28.0, 16.0];
@@ -232,7 +233,7 @@ fn inked(mut ink: Ink, sample: Sample, theme: Theme, rect: Rect) -> Vec<Primitiv
         }
         Sample::Area => {
             let points = inner.corners();
-            out.push(Primitive::Polygon { points: points.clone(), color: ink.color.alpha(marks::HEAT_ALPHA) });
+            out.push(Primitive::Polygon { points: points.clone(), color: ink.color.alpha(mask::HEAT_ALPHA) });
             // White on white is seen by its edge.
             if ink.halo_width > 0.0 {
                 out.push(Primitive::Polyline {
@@ -249,7 +250,7 @@ fn inked(mut ink: Ink, sample: Sample, theme: Theme, rect: Rect) -> Vec<Primitiv
                     vec![[x, rect.max[1]], [x + 4.0, rect.max[1]], [x + 8.0, rect.min[1]], [x + 4.0, rect.min[1]]];
                 Primitive::Polygon { points, color }
             };
-            let [light, dark] = layer::hatch();
+            let [light, dark] = hatch();
             out.extend((0..6).map(|i| stripe(i, if i % 2 == 0 { light } else { dark })));
         }
         Sample::Awaited => {
@@ -275,9 +276,9 @@ fn inked(mut ink: Ink, sample: Sample, theme: Theme, rect: Rect) -> Vec<Primitiv
 /// The stripes of a mask in a swatch.
 fn hatching(Rect { min: [left, top], max: [right, bottom] }: &Rect, ink: &Ink) -> Vec<Primitive> {
     let (high, stroke) = (bottom - top, Stroke { width: 1.0, color: ink.color, dash: &[] });
-    let count = ((right - left - high) / marks::HATCH_PT) as usize;
+    let count = ((right - left - high) / mask::HATCH_PT) as usize;
     let stripe = |i: usize| {
-        let x = left + i as f32 * marks::HATCH_PT;
+        let x = left + i as f32 * mask::HATCH_PT;
         Primitive::Polyline { points: vec![[x, *bottom], [x + high, *top]], closed: false, stroke }
     };
     (0..=count).map(stripe).collect()
@@ -300,7 +301,7 @@ pub fn wheel(center: Point, radius: f32) -> Vec<Primitive> {
         let points = vec![at(slice, inner), at(slice, outer), at(slice + 1, outer), at(slice + 1, inner)];
         let angle = (slice as f32 + 0.5) / SLICES as f32 * std::f32::consts::TAU;
         // As over a dimmed picture, where little motion is hardly any colour.
-        let color = GROUND.mix(flow_color([angle.cos() * outer, angle.sin() * outer], 1.0), layer::veil(outer));
+        let color = GROUND.mix(flow_color([angle.cos() * outer, angle.sin() * outer], 1.0), veil(outer));
         Primitive::Polygon { points, color }
     };
     (0..rings)
@@ -316,7 +317,7 @@ fn wheel_image(rect: Rect) -> Primitive {
     let color = |x: usize, y: usize| {
         let uv = [x, y].map(|c| (c as f32 + 0.5) / half - 1.0);
         let length = uv[0].hypot(uv[1]);
-        let color = GROUND.mix(flow_color(uv, 1.0f32.max(length)), layer::veil(length));
+        let color = GROUND.mix(flow_color(uv, 1.0f32.max(length)), veil(length));
         // The rim is soft over a pixel.
         color.alpha((255.0 * ((1.0 - length) * half + 0.5).clamp(0.0, 1.0)) as u8).0
     };

@@ -18,10 +18,6 @@ use super::fonts::Face;
 use super::primitive::{Anchor, Arrows, Line, Pen, Point, Primitive, Rect, Run, Stroke, Trails};
 use super::{Color, ColorMap, Ink, PointShape, Theme, mask};
 
-/// Opacity of heat over footage.
-pub(super) const HEAT_ALPHA: u8 = 0xb8;
-/// From one stripe of a mask to the next, in points.
-pub(super) const HATCH_PT: f32 = 7.0;
 /// How near to each other the arrows of a dense field are drawn unless it is chosen, in points of the window and pixels of a file.
 const AIRY: f32 = 9.0;
 /// Where the arrows of a dense field stand this far apart on the screen, in points, there is room for one more between two.
@@ -319,7 +315,7 @@ impl Painter<'_> {
         self.layer(
             origin,
             values.map(|&v| match self.look.colors.at((v - low) / span) {
-                color if v.is_finite() => color.alpha(HEAT_ALPHA).0,
+                color if v.is_finite() => color.alpha(mask::HEAT_ALPHA).0,
                 _ => [0; 4],
             }),
         );
@@ -336,7 +332,7 @@ impl Painter<'_> {
 
 /// The colour of a region; none for 0.
 pub fn region_color(label: u32) -> [u8; 4] {
-    if label == 0 { [0; 4] } else { own_color(label).alpha(HEAT_ALPHA).0 }
+    if label == 0 { [0; 4] } else { own_color(label).alpha(mask::HEAT_ALPHA).0 }
 }
 
 /// The colour of the marks of one of several objects: that of a region would not be seen on that very colour.

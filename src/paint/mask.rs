@@ -4,8 +4,12 @@ use motionscope_core::data::Mask;
 use motionscope_core::geometry::Grid;
 use motionscope_core::scene::Role;
 
-use super::{Ink, marks};
+use super::Ink;
 
+/// Opacity of heat over footage.
+pub(super) const HEAT_ALPHA: u8 = 0xb8;
+/// From one stripe of a mask to the next, in points.
+pub(super) const HATCH_PT: f32 = 7.0;
 /// Most parts of pixels that a mask is drawn in.
 const MOST_PARTS: usize = 6_000_000;
 /// Most parts along a side of a pixel.
@@ -30,10 +34,10 @@ pub(super) fn outlined(mask: &Mask, (role, ink): (Role, &Ink), (scale, zoom): (u
     let contour = parts(CONTOUR_PT * ink.width / 2.0);
     // Where a pixel is a single part, a rim would hide its neighbours.
     let rim = if scale > 1 { parts(ink.halo_width).min(scale - 1) } else { 0 };
-    let period = parts(marks::HATCH_PT).max(3);
+    let period = parts(HATCH_PT).max(3);
     let is_set = |x: usize, y: usize| x < width && y < height && mask.get(x, y);
     let color = ink.color.alpha(255).0;
-    let (line, around) = (ink.color.alpha(marks::HEAT_ALPHA).0, ink.halo.alpha(RIM_ALPHA).0);
+    let (line, around) = (ink.color.alpha(HEAT_ALPHA).0, ink.halo.alpha(RIM_ALPHA).0);
     let mut pixels = Grid::new(width * scale, height * scale, [0; 4]);
     for y in 0..height {
         for x in 0..width {

@@ -34,7 +34,7 @@ mod wrap;
 
 pub use color::Color;
 pub use color_map::ColorMap;
-pub use figure::{Caption, Extent, Figure, FigureOptions, Layer, Part, focus_frames, has_colors, heading, paragraph};
+pub use figure::{Caption, Extent, Figure, FigureOptions, Part, focus_frames, has_colors, heading, paragraph};
 pub use flow_color::flow_color;
 pub use focus::{CloseUp, FocusMode, Work};
 pub use fonts::Face;
@@ -46,7 +46,7 @@ pub use number::{THIN, grouped, labels, number, places};
 pub use panel::{LevelShown, Panel, Phase, Pictures, Share, Shown, View};
 pub use pdf::{Placed, Sheet, export_pdf, export_sheets};
 pub use png::{export_png, pixels};
-pub use primitive::Primitive;
+pub use primitive::{Layer, Primitive};
 pub use reduced::reduced;
 pub use svg::{SvgText, export_svg};
 pub use theme::{Chrome, Ink, PointShape, Theme, TypeSizes};

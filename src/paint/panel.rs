@@ -214,7 +214,7 @@ impl View {
     }
 
     /// Stable name, for sessions and the command line.
-    pub fn id(self) -> &'static str {
+    pub const fn id(self) -> &'static str {
         match self {
             View::Current => "current",
             View::Next => "next",
@@ -228,7 +228,7 @@ impl View {
     }
 
     /// Name as shown.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             View::Current => "Frame t",
             View::Next => "Frame t+1",
@@ -242,7 +242,7 @@ impl View {
     }
 
     /// What it shows, in one sentence.
-    pub fn tip(self) -> &'static str {
+    pub const fn tip(self) -> &'static str {
         match self {
             View::Current => "Frame t alone, the first of the two.",
             View::Next => "Frame t+1 alone, the second of the two.",

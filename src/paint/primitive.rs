@@ -455,6 +455,24 @@ fn around(points: &[Point]) -> Rect {
     rect
 }
 
+/// Primitives that are seen only inside a rectangle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layer {
+    /// Nothing is painted outside, if there is one.
+    pub clip: Option<Rect>,
+    /// Back to front.
+    pub primitives: Vec<Primitive>,
+}
+
+impl Layer {
+    /// The same elsewhere.
+    #[must_use]
+    pub fn moved(self, by: Point) -> Self {
+        let primitives = self.primitives.into_iter().map(|primitive| primitive.moved(by)).collect();
+        Self { clip: self.clip.map(|clip| clip.moved(by)), primitives }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -111,7 +111,7 @@ impl Theme {
     pub const ALL: [Theme; 3] = [Theme::Dark, Theme::Light, Theme::Projector];
 
     /// Stable name, for sessions and the command line.
-    pub fn id(self) -> &'static str {
+    pub const fn id(self) -> &'static str {
         match self {
             Theme::Dark => "dark",
             Theme::Light => "light",
@@ -120,7 +120,7 @@ impl Theme {
     }
 
     /// Name as shown.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Theme::Dark => "Dark",
             Theme::Light => "Light",
@@ -129,7 +129,7 @@ impl Theme {
     }
 
     /// What it is for, in one sentence.
-    pub fn tip(self) -> &'static str {
+    pub const fn tip(self) -> &'static str {
         match self {
             Theme::Dark => "Light on dark, for the control.",
             Theme::Light => "Dark on light, for print and bright rooms.",

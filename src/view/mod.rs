@@ -1,5 +1,6 @@
 //! What one step of a run shows, and how it is looked at, for the window and for files alike.
 
+mod encode;
 pub mod handout;
 pub mod look;
 pub mod moment;

@@ -9,6 +9,7 @@ mod h264;
 mod matroska;
 mod mjpeg;
 mod mp4;
+mod mp4_boxes;
 mod mp4_samples;
 mod raw;
 mod sps;

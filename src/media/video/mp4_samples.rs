@@ -4,7 +4,7 @@ use motionscope_core::base::Error;
 
 use super::bytes::Bytes;
 use super::coded::{MAX_SAMPLES, Sample};
-use super::mp4::{boxes, find};
+use super::mp4_boxes::{boxes, find};
 
 /// What a sample of a fragment is unless it says otherwise.
 #[derive(Clone, Copy, Debug, Default)]

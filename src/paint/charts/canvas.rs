@@ -90,6 +90,9 @@ pub fn shortened(words: &str, style: Type, width: f32) -> String {
     fitting.checked_sub(1).map_or_else(String::new, |last| cut(ends[last]))
 }
 
+/// Dashes and gaps of a threshold.
+pub(super) const THRESHOLD: &[f32] = &[5.0, 3.0];
+
 /// Layers that are being painted.
 #[derive(Debug, Default)]
 pub struct Canvas(Vec<Layer>);

@@ -5,8 +5,7 @@ use motionscope_core::scene::{Section, Series};
 use super::super::primitive::{Anchor, Rect, Stroke};
 use super::super::{Color, Theme, labels};
 use super::axis::Axis;
-use super::canvas::{Canvas, Level, Type, solid};
-use super::series::THRESHOLD;
+use super::canvas::{Canvas, Level, THRESHOLD, Type, solid};
 
 /// Between two plots, in letters.
 const GAP: f32 = 0.4;

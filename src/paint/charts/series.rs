@@ -10,7 +10,7 @@ use motionscope_core::scene::{Band, Role, Series};
 use super::super::primitive::{Anchor, Point, Primitive, Rect, Stroke};
 use super::super::{Color, Face, Theme, labels, number};
 use super::axis::Axis;
-use super::canvas::{Canvas, Level, Type, solid};
+use super::canvas::{Canvas, Level, THRESHOLD, Type, solid};
 use super::{ChartStyle, Drawing, cells};
 
 /// So few values are marked one by one.
@@ -30,8 +30,6 @@ const LEAST_HALF: f32 = 6.0;
 const TICK_GAP: f32 = 7.0;
 /// Half the width of the arrow that stands for a value beyond the edge, in points.
 const ARROW: f32 = 4.0;
-/// Dashes and gaps of a threshold.
-pub(super) const THRESHOLD: &[f32] = &[5.0, 3.0];
 
 /// What is plotted.
 #[derive(Clone, Copy, Debug)]

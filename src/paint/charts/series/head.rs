@@ -3,8 +3,8 @@
 use motionscope_core::base::words::fixed;
 use motionscope_core::scene::{Band, Role, Series};
 
-use super::{ARROW, Plot, Plotted, THRESHOLD, are_marks, nearest, ring, value};
-use crate::paint::charts::canvas::{Canvas, Level, Type, shortened, solid};
+use super::{ARROW, Plot, Plotted, are_marks, nearest, ring, value};
+use crate::paint::charts::canvas::{Canvas, Level, THRESHOLD, Type, shortened, solid};
 use crate::paint::charts::{self, ChartStyle};
 use crate::paint::primitive::{Anchor, Primitive, Rect, Stroke};
 use crate::paint::{Color, Theme, number};
