@@ -7,7 +7,7 @@ use eframe::egui::vec2;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use motionscope::ui::app::App;
-use motionscope::ui::app::commands::Command;
+use motionscope::ui::commands::Command;
 use motionscope::ui::model::snapshot::Snapshot;
 use motionscope::ui::{self, Start};
 use motionscope_core::data::Histogram;

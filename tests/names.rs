@@ -60,8 +60,8 @@ const OTHERWISE: [(&str, &str, &str); 48] = [
     ("src/media/truth/mot.rs", "object", "a column of the file"),
     ("src/paint/svg.rs", "round", "a value of the format"),
     ("src/view/motion.rs", "flow", "a kind of truth"),
-    ("src/ui/panes/granularities.rs", "run", "the whole run, above all granularities"),
-    ("src/ui/panes/granularities.rs", "step", "any granularity"),
+    ("src/ui/commands/granularities.rs", "run", "the whole run, above all granularities"),
+    ("src/ui/commands/granularities.rs", "step", "any granularity"),
     ("src/ui/panes/timeline.rs", "step", "any granularity"),
     ("src/view/panes.rs", "stage", "a pane"),
 ];

@@ -20,7 +20,7 @@ use image::{ImageEncoder as _, Rgb, RgbImage};
 use motionscope::paint::{Caption, Figure, FigureOptions, Pictures, Theme, View, export_png};
 use motionscope::session::lesson::{self, Address};
 use motionscope::ui::app::App;
-use motionscope::ui::app::commands::Command;
+use motionscope::ui::commands::Command;
 use motionscope::ui::{self, Start};
 use motionscope_core::course::estimators;
 use motionscope_core::data::Frame;

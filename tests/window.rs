@@ -67,12 +67,10 @@ use motionscope::media::Open;
 use motionscope::paint::{ColorMap, Lengthen, LevelShown, Theme, View};
 use motionscope::results::EXPORTS;
 use motionscope::session::Session;
-use motionscope::ui::app::commands::{Command, Granularities, Menu};
 use motionscope::ui::app::{App, Region};
 use motionscope::ui::charts::heat_map;
-use motionscope::ui::model::document::Owner;
+use motionscope::ui::commands::{Command, Granularities, Menu, Order, OutputKind, Owner};
 use motionscope::ui::model::snapshot::{Near, Place, Snapshot};
-use motionscope::ui::model::writer::{Order, OutputKind};
 use motionscope::ui::{self, Start};
 use motionscope::view::look::Look;
 use motionscope::view::motion::Reverse;
@@ -551,7 +549,7 @@ fn the_shortcut_sheet_lists_every_command_with_a_key() {
     let mut window = Window::new(vec2(1600.0, 2400.0));
     window.key(Key::F1);
     let granularities = Granularities::new(window.shown().info.granularities);
-    let listed = |command: &&Command| command.is_listed(&granularities) && !command.info().keys.is_empty();
+    let listed = |command: &&Command| command.is_listed(&granularities) && !command.entry().keys.is_empty();
     for command in Command::ALL.iter().filter(listed) {
         let text = command.text(&granularities);
         assert!(window.harness.query_all_by_label(&text).next().is_some(), "{text} is not on the sheet");

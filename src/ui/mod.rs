@@ -2,8 +2,10 @@
 
 pub mod app;
 pub mod charts;
+pub mod commands;
 pub mod dialogs;
 pub mod drawing;
+pub mod layout;
 pub mod model;
 pub mod panes;
 pub mod parts;

@@ -113,7 +113,7 @@ fn blocks_have_colours_where_they_are_wanted() {
     assert!(window.shown().tiles.iter().all(|tile| tile.layer.is_some()), "each of several has its own");
     let keys: Vec<_> = window.shown().tiles.iter().filter_map(|tile| tile.layer.as_ref()).map(|t| &t.key).collect();
     assert!(keys.windows(2).all(|pair| pair[0] == pair[1]), "on one scale");
-    assert!(!Command::Layer(FlowLayer::Consistency).enabled(&motionscope::ui::app::commands::Situation {
+    assert!(!Command::Layer(FlowLayer::Consistency).enabled(&motionscope::ui::commands::Situation {
         has_run: true,
         available: window.shown().available,
         ..Default::default()

@@ -12,17 +12,15 @@ use crate::experiment::comparison::Row;
 use crate::experiment::side_by_side::{Companion, SideBySide};
 use crate::experiment::{told_of_unplaced, unplaced};
 use crate::paint::{FlowLayer, Phase, Theme, View};
-use crate::ui::app::action::Action;
-use crate::ui::app::commands::{Command, Menu};
 use crate::ui::app::window::{App, Overlay};
+use crate::ui::commands::{Action, Command, Menu, Owner};
 use crate::ui::dialogs::chooser::Purpose;
 use crate::ui::dialogs::save::Kind;
 use crate::ui::dialogs::{chooser, compare, find, lessons, open as open_dialog, palette, terms};
 use crate::ui::drawing::style::ZOOM;
-use crate::ui::model::document::Owner;
+use crate::ui::layout;
 use crate::ui::model::snapshot::Place;
 use crate::ui::model::walker::Marks;
-use crate::ui::panes::layout;
 
 /// Zoom factor of a key press.
 const ZOOM_STEP: f32 = 1.5;
@@ -83,10 +81,7 @@ impl App {
                 self.document.reset(owner);
                 self.restart();
             }
-            Action::Seek(cursor) => {
-                self.player.pause();
-                self.walker.go(Move::To(cursor));
-            }
+            Action::Seek(cursor) => self.go(Move::To(cursor)),
             Action::SeekCandidate(candidate) => {
                 self.player.pause();
                 let shown = self.view.shown.as_deref();
@@ -139,7 +134,7 @@ impl App {
             why.into_iter().for_each(|why| self.toasts.hint(why));
             return;
         }
-        if command.info().menu == Menu::Walk {
+        if command.entry().menu == Menu::Walk {
             self.toasts.end_introductions();
         }
         match command {
@@ -230,12 +225,13 @@ impl App {
                 self.player.pause();
                 self.walker.stop();
             }
-            C::Into | C::IntoBack | C::Over | C::OverBack | C::Out | C::OutBack => self.step(command),
-            C::NextUnit | C::PreviousUnit | C::Start | C::End => self.step(command),
-            C::NextMark => self.go_to_mark(Direction::Forward, Marks::All),
-            C::PreviousMark => self.go_to_mark(Direction::Back, Marks::All),
-            C::NextAlike => self.go_to_mark(Direction::Forward, Marks::Alike),
-            C::PreviousAlike => self.go_to_mark(Direction::Back, Marks::Alike),
+            C::Into | C::IntoBack => self.step(command, self.granularities().event()),
+            C::Over | C::OverBack | C::NextUnit | C::PreviousUnit => self.step(command, self.granularities().unit()),
+            C::Out | C::OutBack => self.step(command, self.granularities().group()),
+            C::Start => self.go(Move::To(Cursor::default())),
+            C::End => self.go(Move::End),
+            C::NextMark | C::PreviousMark => self.go_to_mark(command, Marks::All),
+            C::NextAlike | C::PreviousAlike => self.go_to_mark(command, Marks::Alike),
         }
     }
 
@@ -263,26 +259,22 @@ impl App {
         self.player.play(way);
     }
 
-    fn go_to_mark(&mut self, way: Direction, marks: Marks) {
+    fn go(&mut self, to: Move) {
+        self.player.pause();
+        self.walker.go(to);
+    }
+
+    fn go_to_mark(&mut self, command: Command, marks: Marks) {
+        let Some(way) = command.entry().way else { return };
         self.player.pause();
         self.walker.go_to_mark(way, marks);
     }
 
-    fn step(&mut self, command: Command) {
-        use Command as C;
-        self.settings.practice.note(command);
+    /// Steps the way of `command`, by the granularity of this index.
+    fn step(&mut self, command: Command, granularity: usize) {
+        let Some(way) = command.entry().way else { return };
+        self.settings.practice.note(way);
         self.player.pause();
-        let granularities = self.granularities();
-        let (granularity, way) = match command {
-            C::Into => (granularities.event(), Direction::Forward),
-            C::IntoBack => (granularities.event(), Direction::Back),
-            C::Over | C::NextUnit => (granularities.unit(), Direction::Forward),
-            C::OverBack | C::PreviousUnit => (granularities.unit(), Direction::Back),
-            C::Out => (granularities.group(), Direction::Forward),
-            C::OutBack => (granularities.group(), Direction::Back),
-            C::Start => return self.walker.go(Move::To(Cursor::default())),
-            _ => return self.walker.go(Move::End),
-        };
         self.walker.go(Move::Granularity(granularity, way));
     }
 
@@ -315,7 +307,7 @@ impl App {
 
     /// Sets the view option of `command`.
     fn choose_look(&mut self, command: Command) {
-        let set = command.look().map_or(Ok(()), |(name, value)| self.set_look(name, value));
+        let set = command.entry().sets.map_or(Ok(()), |(name, value)| self.set_look(name, value));
         set.unwrap_or_else(|error| self.toasts.fail(error.to_string()));
     }
 

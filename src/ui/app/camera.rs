@@ -14,12 +14,11 @@ use crate::experiment::Prepared;
 use crate::experiment::source::Source;
 use crate::media::camera::{Cameras, Closing, Ffmpeg, Kept, is_unsaved};
 use crate::paint::Freehand;
-use crate::ui::app::commands::Command;
 use crate::ui::app::window::{App, Overlay};
+use crate::ui::commands::{ClipFormat, Command};
 use crate::ui::dialogs::camera::State;
 use crate::ui::model::live::LiveView;
 use crate::ui::model::settings::LeftAt;
-use crate::ui::model::writer::ClipFormat;
 
 /// The cameras, and the last recording.
 pub(super) struct Recorder {

@@ -3,10 +3,10 @@
 use motionscope_core::course::estimator;
 
 use crate::search::{Target, is_same_parameter};
-use crate::ui::app::action::Action;
 use crate::ui::app::window::{App, Overlay};
+use crate::ui::commands::Action;
 use crate::ui::dialogs::terms;
-use crate::ui::panes::layout;
+use crate::ui::layout;
 use crate::view::panes::Pane;
 
 impl App {

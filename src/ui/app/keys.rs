@@ -9,9 +9,8 @@ use eframe::egui::{self, Event, FocusDirection, Id, Key, Modifiers, Popup};
 use crate::experiment::source::Source;
 use crate::media::{self, names};
 use crate::session::Session;
-use crate::ui::app::action::{Action, Actions};
-use crate::ui::app::commands::{Command, Situation};
-use crate::ui::dialogs::open as open_dialog;
+use crate::ui::commands::{Action, Actions, Command, Situation};
+use crate::ui::dialogs::typed;
 
 /// The keys that are down, by where they lie on the keyboard.
 ///
@@ -289,7 +288,7 @@ pub fn take(ctx: &egui::Context, overlaid: bool, now: &Situation, actions: &mut 
                 false
             }
             Event::Paste(text) => {
-                if let Some(path) = open_dialog::parse(text) {
+                if let Some(path) = typed::parse(text) {
                     actions.ask(Action::Open(path));
                 }
                 false

@@ -7,9 +7,8 @@ use eframe::egui::{Rect, Ui};
 use motionscope_core::run::{Cursor, Direction, Move};
 
 use crate::session::lesson::{Address, page_text};
-use crate::ui::app::action::Actions;
-use crate::ui::app::commands::Command;
 use crate::ui::app::window::{App, Overlay, Region};
+use crate::ui::commands::{Actions, Command};
 use crate::ui::model::lesson::OpenLesson;
 use crate::ui::model::paper::OfPage;
 use crate::ui::model::snapshot::Snapshot;

@@ -1,9 +1,7 @@
 //! The application: its commands and keys, what they do, and the frame that is drawn.
 
-pub mod action;
 mod acts;
 mod camera;
-pub mod commands;
 mod files;
 mod find;
 mod focus;

@@ -3,12 +3,12 @@
 use eframe::egui::{Rect, Ui, UiBuilder, vec2};
 use motionscope_core::run::Move;
 use motionscope_core::scene::Focus;
+use motionscope_core::{Direction, Move};
 
-use crate::ui::app::action::Actions;
-use crate::ui::app::commands::{Command, Menu};
 use crate::ui::app::window::App;
+use crate::ui::commands::{Actions, Command, Entry, Menu};
 use crate::ui::drawing::style;
-use crate::ui::panes::layout::Asking;
+use crate::ui::layout::Asking;
 use crate::ui::panes::question;
 
 /// Above and below a question, in points.
@@ -65,8 +65,8 @@ impl App {
     /// done with.
     pub(super) fn answers(&mut self, command: Command) -> bool {
         use Command as C;
-        let is_forward =
-            matches!(command, C::Into | C::Over | C::Out | C::NextUnit | C::Play | C::NextMark | C::NextAlike);
+        let Entry { way, menu, .. } = command.entry();
+        let is_forward = way == Some(Direction::Forward) || command == C::Play;
         if self.predict.open().is_none() {
             // Two steps at once would pass over a question.
             let is_early = is_forward && self.predict.is_due();
@@ -81,14 +81,10 @@ impl App {
             before.into_iter().for_each(|cursor| self.walker.go(Move::To(cursor)));
             return true;
         }
-        let is_back = matches!(
-            command,
-            C::IntoBack | C::OverBack | C::OutBack | C::PreviousUnit | C::PreviousMark | C::PreviousAlike
-        );
+        let is_back = way == Some(Direction::Back);
         if is_forward || command == C::End {
             self.predict.reveal();
-        } else if command.info().menu == Menu::Walk && !matches!(command, C::Predict | C::Stop | C::Slower | C::Faster)
-        {
+        } else if menu == Menu::Walk && !matches!(command, C::Predict | C::Stop | C::Slower | C::Faster) {
             let before = self.predict.withdraw();
             // Whatever else moves the run goes on from the step before.
             before.filter(|_| is_back).into_iter().for_each(|cursor| self.walker.go(Move::To(cursor)));

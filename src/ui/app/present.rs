@@ -16,17 +16,16 @@ use motionscope_core::scene::Role;
 
 use crate::experiment::Prepared;
 use crate::paint::{Color, Freehand, FreehandLine};
-use crate::ui::app::action::Actions;
-use crate::ui::app::commands::Command;
 use crate::ui::app::keys;
 use crate::ui::app::window::{App, Overlay, Region};
+use crate::ui::commands::{Actions, Command, PenWish};
 use crate::ui::drawing::style;
 use crate::ui::model::pen::Pen;
 use crate::ui::model::snapshot::Snapshot;
 use crate::ui::model::upcoming::{Next, Upcoming};
 use crate::ui::panes::Presented;
 use crate::ui::panes::presenter::{self, Coming};
-use crate::ui::stage::{Hand, PenWish};
+use crate::ui::stage::Hand;
 use crate::view::moment::Moment;
 
 /// Radius of the pointer's dot, and of the halo around it, in sizes of the theme's type.

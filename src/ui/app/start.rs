@@ -4,8 +4,8 @@ use eframe::egui::Ui;
 use motionscope_core::synth;
 
 use crate::experiment::first;
-use crate::ui::app::action::Actions;
 use crate::ui::app::window::App;
+use crate::ui::commands::Actions;
 use crate::ui::panes::start;
 
 impl App {

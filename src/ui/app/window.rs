@@ -13,16 +13,16 @@ use motionscope_core::scene::{Chart, Role, Step};
 use crate::experiment::side_by_side::SideBySide;
 use crate::experiment::source::Source;
 use crate::paint::charts::relief::standing;
-use crate::ui::app::action::{Action, Actions, Browse};
 use crate::ui::app::camera::Recorder;
-use crate::ui::app::commands::{Granularities, Situation};
 use crate::ui::app::present::Presentation;
 use crate::ui::app::{focus, keys};
+use crate::ui::commands::{Action, Actions, Browse, Granularities, Owner, Situation};
 use crate::ui::dialogs::{
     camera, chooser, compare, find, gallery, lessons, open as open_dialog, palette, save as save_dialog, sheet, terms,
 };
 use crate::ui::drawing::style::{self, ZOOM};
-use crate::ui::model::document::{Document, Owner};
+use crate::ui::layout::{self, Arrangement, Folded, LessonPage, Mode, Pictures, Room};
+use crate::ui::model::document::Document;
 use crate::ui::model::lesson::OpenLesson;
 use crate::ui::model::loader::Loading;
 use crate::ui::model::player::Player;
@@ -32,7 +32,6 @@ use crate::ui::model::settings::Settings;
 use crate::ui::model::trail::Trail;
 use crate::ui::model::walker::{View, Walker};
 use crate::ui::model::writer::Writing;
-use crate::ui::panes::layout::{self, Arrangement, Folded, LessonPage, Mode, Pictures, Room};
 use crate::ui::panes::{Panes, States};
 use crate::ui::panes::{question, start, status, topbar, transport};
 use crate::ui::parts::toasts::Toasts;
@@ -330,7 +329,7 @@ impl App {
             return Situation { can_be_larger, has_trail, at_start_page: true, ..Situation::default() };
         }
         let shown = self.view.shown.as_deref();
-        let last = self.document.last_frame();
+        let (last, folded) = (self.document.last_frame(), self.folded());
         let [can_undo, can_redo] = self.ink_history().unwrap_or([self.document.can_undo(), self.document.can_redo()]);
         Situation {
             has_clip: self.document.clip().is_some(),
@@ -343,8 +342,11 @@ impl App {
             checking: self.view.checking,
             playing: self.player.is_playing(),
             lecture: self.settings.lecture,
-            has_open_parameters: self.settings.is_narrow && !self.folded().parameters,
-            has_charts: !self.folded().charts && !self.charts().is_empty(),
+            shows_parameters: !folded.parameters,
+            shows_explanation: !folded.explanation,
+            shows_charts: !folded.charts,
+            has_open_parameters: self.settings.is_narrow && !folded.parameters,
+            has_charts: !folded.charts && !self.charts().is_empty(),
             has_landscape: self.settings.look.landscape || shown.is_some_and(|shown| standing(&shown.step).is_some()),
             has_large_picture: self.arranged.stage.is_some() && self.arranged.panes.has_large(),
             has_enlarged: self.settings.charts.is_enlarged
@@ -356,6 +358,8 @@ impl App {
             is_placing: self.states.stage.placing.is_some(),
             holds_pixel: shown.and_then(|shown| shown.pointed).is_some_and(|pointed| pointed.is_held),
             available: shown.map(|shown| shown.available).unwrap_or_default(),
+            look: self.settings.look,
+            reduced_motion: self.settings.reduced_motion,
             can_undo,
             can_redo,
             is_drawing: self.presentation.pen.is_on,
@@ -541,10 +545,7 @@ impl App {
             now: self.now(),
             granularities: self.granularities(),
             has_strip: self.has_strip(),
-            folded: self.folded(),
-            reduced_motion: self.settings.reduced_motion,
             recent: &self.settings.recent,
-            look: self.settings.look,
         };
         topbar::show(ui, &input, actions);
     }

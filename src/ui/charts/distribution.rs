@@ -5,7 +5,7 @@ use motionscope_core::scene::Distribution;
 
 use crate::paint::charts::distribution::{Bars, Counted, draw, head, summary};
 use crate::ui::drawing::chart::{Chart, Subject, over, rect_from, rect_of};
-use crate::ui::drawing::ink;
+use crate::ui::drawing::style;
 
 /// What is shown.
 #[derive(Clone, Copy)]
@@ -30,7 +30,7 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
     state.body(&painter);
     match response.hover_pos().and_then(|at| bars.at(at.into())) {
         Some(i) => {
-            let stroke = Stroke::new(1.5, ink::color(subject.theme.chrome().text));
+            let stroke = Stroke::new(1.5, style::color(subject.theme.chrome().text));
             let bar = rect_from(bars.bar(i, distribution.counts[i]));
             painter.rect_stroke(bar, 0.0, stroke, StrokeKind::Outside);
             over(&painter, &head(data, &bars, rect_of(area), Some(i), subject.style(&painter)));

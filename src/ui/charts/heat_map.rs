@@ -7,7 +7,7 @@ use crate::paint::charts::Map;
 pub use crate::paint::charts::heat_map::summary;
 use crate::paint::charts::heat_map::{HeatMap, draw, event, head};
 use crate::ui::drawing::chart::{Chart, Subject, over, rect_from, rect_of};
-use crate::ui::drawing::ink;
+use crate::ui::drawing::style;
 
 /// What is mapped.
 #[derive(Clone, Copy)]
@@ -52,7 +52,7 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     state.body(&painter);
     match hovered {
         Some(at) => {
-            let stroke = Stroke::new(1.5, ink::color(subject.theme.chrome().text));
+            let stroke = Stroke::new(1.5, style::color(subject.theme.chrome().text));
             painter.rect_stroke(rect_from(map.cell_rect(at)).expand(1.0), 0.0, stroke, StrokeKind::Outside);
             over(&painter, &head(data, &map, rect_of(area), Some(at), subject.style(&painter)));
         }

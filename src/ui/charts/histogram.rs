@@ -7,7 +7,7 @@ use crate::paint::charts::Map;
 pub use crate::paint::charts::histogram::name;
 use crate::paint::charts::histogram::{Counts, description, draw, head, nearest, seen};
 use crate::ui::drawing::chart::{Chart, Subject, over, rect_from, rect_of};
-use crate::ui::drawing::ink;
+use crate::ui::drawing::style;
 
 /// What is shown.
 #[derive(Clone, Copy)]
@@ -43,7 +43,7 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     state.body(&painter);
     match pointed {
         Some(at) => {
-            let stroke = Stroke::new(1.5, ink::color(subject.theme.chrome().text));
+            let stroke = Stroke::new(1.5, style::color(subject.theme.chrome().text));
             painter.rect_stroke(rect_from(seen(&map, at)).expand(1.0), 0.0, stroke, StrokeKind::Outside);
             let description = Some(description(histogram, at, leads));
             over(&painter, &head(data, &map, rect_of(area), description, subject.style(&painter)));

@@ -5,7 +5,7 @@ use motionscope_core::scene::Series;
 
 use crate::paint::charts::series::{Plot, Plotted, Window, draw, event, head, nearest, summary, values};
 use crate::ui::drawing::chart::{Chart, Subject, over, rect_from, rect_of};
-use crate::ui::drawing::ink;
+use crate::ui::drawing::style;
 
 /// What is plotted.
 #[derive(Clone, Copy)]
@@ -89,12 +89,12 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     let step = hovered.and_then(|x| nearest(series, x));
     match step {
         Some(x) => {
-            let stroke = Stroke::new(1.0, ink::color(subject.theme.chrome().dim));
+            let stroke = Stroke::new(1.0, style::color(subject.theme.chrome().dim));
             painter.vline(plot.x.place(x), rect.y_range(), stroke);
             for (role, y) in values(series, x) {
                 let at = plot.at([x, y]).into();
                 if rect.expand(1.0).contains(at) {
-                    painter.circle_stroke(at, 5.0, Stroke::new(2.0, ink::color(subject.theme.stroke(role))));
+                    painter.circle_stroke(at, 5.0, Stroke::new(2.0, style::color(subject.theme.stroke(role))));
                 }
             }
             over(&painter, &head(data, &plot, rect_of(area), hovered, subject.style(&painter)));
@@ -152,8 +152,8 @@ fn scales(
         Rect::from_min_size(pos2(rect.min.x - 4.4 * size, rect.max.y + 0.5 * size), vec2(3.2 * size, 1.5 * size));
     let button = egui::Button::new(RichText::new("log").size(size))
         .selected(is_logarithmic)
-        .fill(if is_logarithmic { ui.visuals().selection.bg_fill } else { ink::color(subject.theme.chrome().raised) })
-        .stroke(Stroke::new(1.0, ink::color(subject.theme.chrome().line)))
+        .fill(if is_logarithmic { ui.visuals().selection.bg_fill } else { style::color(subject.theme.chrome().raised) })
+        .stroke(Stroke::new(1.0, style::color(subject.theme.chrome().line)))
         .small();
     let tip =
         if is_logarithmic { "Show the values on a linear axis." } else { "Show the values on a logarithmic axis." };

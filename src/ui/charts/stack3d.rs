@@ -8,7 +8,7 @@ use crate::paint::charts::Orbit;
 use crate::paint::charts::stack::{Planes, Pyramid, Seen, USUAL, draw, summary};
 use crate::ui::charts::surface3d::turn;
 use crate::ui::drawing::chart::{Chart, Subject};
-use crate::ui::drawing::ink;
+use crate::ui::drawing::style;
 
 /// What is shown.
 #[derive(Clone, Copy)]
@@ -63,7 +63,7 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     let pointed = sensed.hover_pos().and_then(|at| planes.level(at.into()));
     if let Some(level) = pointed {
         let corners = planes.corners[level].map(egui::Pos2::from).to_vec();
-        painter.add(Shape::closed_line(corners, Stroke::new(2.0, ink::color(subject.theme.chrome().text))));
+        painter.add(Shape::closed_line(corners, Stroke::new(2.0, style::color(subject.theme.chrome().text))));
         if !sensed.dragged() {
             ui.ctx().set_cursor_icon(CursorIcon::PointingHand);
         }

@@ -6,7 +6,7 @@ use motionscope_core::scene::Tile;
 use crate::paint::Face;
 use crate::paint::charts::tiles::{Closeness, Places, Tiles, caption, description, draw, places};
 use crate::ui::drawing::chart::{Chart, Subject, rect_from, rect_of};
-use crate::ui::drawing::ink;
+use crate::ui::drawing::{ink, style};
 
 /// The tiles of a step.
 #[derive(Clone, Copy)]
@@ -59,7 +59,7 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), line), Sense::hover());
     let hint = if response.can_be_closer { state.hint() } else { "" };
     let words = format!("{}{hint}", description(tiles, state.hovered));
-    let (font, color) = (ink::font(Face::Sans, small), ink::color(subject.theme.chrome().dim));
+    let (font, color) = (style::font(Face::Sans, small), style::color(subject.theme.chrome().dim));
     ink::line(ui.painter(), rect.left_center(), ink::Words { text: &words, font, color }, rect.width());
     response
 }

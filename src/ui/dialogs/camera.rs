@@ -19,12 +19,12 @@ use motionscope_core::run::{Cursor, Info};
 
 use crate::media::camera::{Camera, Cameras, Closing, Device, Kept, Shot, Size, keep};
 use crate::paint::charts::Orbit;
-use crate::ui::app::action::{Action, Actions};
+use crate::ui::commands::{Action, Actions};
+use crate::ui::layout::Panes;
 use crate::ui::model::background::Background;
 use crate::ui::model::document::Document;
 use crate::ui::model::live::{Live, LiveView, live_look};
 use crate::ui::model::settings::{CameraChoices, Settings};
-use crate::ui::panes::layout::Panes;
 use crate::ui::parts::widgets;
 use crate::ui::stage;
 use crate::view::look::Look;

@@ -19,7 +19,7 @@ use super::fuzzy::{self, Place, Words};
 use super::palette;
 use crate::experiment::suitability::{Merit, Suitability};
 use crate::paint::Theme;
-use crate::ui::app::action::{Action, Actions};
+use crate::ui::commands::{Action, Actions};
 use crate::ui::model::document::Document;
 use crate::ui::model::step_pictures::StepPictures;
 use crate::ui::parts::entry_card::{self, Card};

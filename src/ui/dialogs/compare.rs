@@ -26,9 +26,8 @@ use crate::experiment::first;
 use crate::experiment::source::Source;
 use crate::experiment::sweeps::{self, Limits, Sweep};
 use crate::paint::{ColorMap, Theme};
-use crate::ui::app::action::{Action, Actions};
-use crate::ui::app::commands::Command;
 use crate::ui::charts::series;
+use crate::ui::commands::{Action, Actions, Command};
 use crate::ui::drawing::chart::Subject;
 use crate::ui::model::background::Background;
 use crate::ui::model::comparing::{Comparing, Plan};
@@ -284,7 +283,7 @@ fn chosen(state: &State) -> Vec<Box<dyn AnyEstimator>> {
 fn step_by_step(ui: &mut Ui, state: &State, actions: &mut Actions) -> bool {
     let chosen = chosen(state);
     let refused = lockstep::check(&chosen.iter().map(|one| &**one).collect::<Vec<_>>()).err();
-    let button = ui.add_enabled(refused.is_none(), Button::new(Command::Lockstep.info().text));
+    let button = ui.add_enabled(refused.is_none(), Button::new(Command::Lockstep.entry().text));
     let tip = Command::Lockstep.with_key("Step the estimators through the same frames in lockstep.");
     let reason = refused.map_or_else(String::new, |error| error.to_string());
     let taken = button.on_hover_text(tip).on_disabled_hover_text(reason).clicked();

@@ -11,7 +11,7 @@ use super::path::to_end;
 use crate::paint::Theme;
 use crate::paint::script::Script;
 use crate::search::{Excerpt, Hit, Kind, TRANSPOSED, grouped, search, suggest};
-use crate::ui::app::action::{Action, Actions};
+use crate::ui::commands::{Action, Actions};
 use crate::ui::drawing::style;
 use crate::ui::parts::widgets;
 

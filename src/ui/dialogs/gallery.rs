@@ -4,7 +4,7 @@ use eframe::egui::{self, RichText, ScrollArea, TextStyle, Ui, vec2};
 use motionscope_core::synth::SCENES;
 
 use crate::paint::Theme;
-use crate::ui::app::action::{Action, Actions};
+use crate::ui::commands::{Action, Actions};
 use crate::ui::model::previews::{PICTURE_PX, Previews};
 use crate::ui::parts::sample_card::{self, Face};
 use crate::ui::parts::widgets;

@@ -4,7 +4,7 @@ use eframe::egui::{self, Key, Modifiers, RichText, ScrollArea, Sense, TextStyle,
 
 use crate::paint::Theme;
 use crate::session::lesson::{Address, Lesson, all};
-use crate::ui::app::action::{Action, Actions};
+use crate::ui::commands::{Action, Actions};
 use crate::ui::drawing::style;
 use crate::ui::model::lesson::OpenLesson;
 use crate::ui::parts::widgets;

@@ -13,3 +13,4 @@ pub mod path;
 pub mod save;
 pub mod sheet;
 pub mod terms;
+pub mod typed;

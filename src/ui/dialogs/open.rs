@@ -1,7 +1,7 @@
 //! Opening a clip: a typed path, the system's dialog beside it, and what was open lately.
 
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use eframe::egui::{self, RichText, TextStyle, Ui, vec2};
 use lucide_icons::Icon;
@@ -9,10 +9,9 @@ use motionscope_core::base::Error;
 use motionscope_core::base::words::capital;
 
 use super::path::PathField;
-use crate::experiment::source::Source;
-use crate::ui::app::action::{Action, Actions, Browse};
-use crate::ui::app::commands::Command;
-use crate::ui::parts::widgets;
+use super::typed::parse;
+use crate::ui::commands::{Action, Actions, Browse, Command};
+use crate::ui::parts::{recent, widgets};
 
 /// What a dialog opens.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -66,61 +65,6 @@ impl State {
     }
 }
 
-/// A path as typed or pasted: quotes, a leading `~` and `file://` are understood.
-///
-/// Of several lines the first that leads somewhere counts, or else the first.
-pub fn parse(text: &str) -> Option<OsString> {
-    // What file managers copy may begin with remarks.
-    let lines = text.lines().map(str::trim).filter(|line| !line.starts_with('#'));
-    let mut paths = lines.filter_map(line).peekable();
-    let first = paths.next()?;
-    if paths.peek().is_none() || leads_somewhere(&first) {
-        return Some(first);
-    }
-    Some(paths.find(leads_somewhere).unwrap_or(first))
-}
-
-fn leads_somewhere(path: &OsString) -> bool {
-    matches!(Source::typed(path), Ok(Source::Synth { .. } | Source::Pair(_))) || Path::new(path).exists()
-}
-
-fn line(text: &str) -> Option<OsString> {
-    let text = text.trim_matches(['"', '\'']);
-    if text.is_empty() {
-        return None;
-    }
-    if let Some(url) = text.strip_prefix("file://") {
-        let path = url.strip_prefix("localhost").unwrap_or(url);
-        // A drive follows a slash: file:///C:/clips.
-        let path = if cfg!(windows) { path.trim_start_matches('/') } else { path };
-        return Some(decoded(path));
-    }
-    match (text.strip_prefix("~/"), home()) {
-        (Some(rest), Some(home)) => Some(home.join(rest).into()),
-        _ => Some(text.into()),
-    }
-}
-
-/// The person's own folder.
-pub fn home() -> Option<PathBuf> {
-    std::env::var_os("HOME").or_else(|| std::env::var_os("USERPROFILE")).map(PathBuf::from)
-}
-
-/// A path with its `%20`s put back into bytes, as URLs have them.
-fn decoded(text: &str) -> OsString {
-    let (mut bytes, mut rest) = (Vec::new(), text.as_bytes());
-    while let [byte, tail @ ..] = rest {
-        let hex = tail.get(..2).filter(|_| *byte == b'%').and_then(|hex| std::str::from_utf8(hex).ok());
-        let code = hex.filter(|hex| !hex.starts_with('+')).and_then(|hex| u8::from_str_radix(hex, 16).ok());
-        bytes.push(code.unwrap_or(*byte));
-        rest = if code.is_some() { &tail[2..] } else { tail };
-    }
-    #[cfg(unix)]
-    return std::os::unix::ffi::OsStringExt::from_vec(bytes);
-    #[cfg(not(unix))]
-    String::from_utf8_lossy(&bytes).into_owned().into()
-}
-
 /// Shows the dialog; gives whether it is still open.
 pub fn show(ctx: &egui::Context, state: &mut State, recent: &[PathBuf], actions: &mut Actions) -> bool {
     let size = TextStyle::Body.resolve(&ctx.global_style()).size;
@@ -157,7 +101,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, recent: &[PathBuf], actions:
                     done = true;
                 }
             }
-            if is_clip && ui.button((widgets::icon(ui, Command::Samples.info().icon), "Samples…")).clicked() {
+            if is_clip && ui.button((widgets::icon(ui, Command::Samples.entry().icon), "Samples…")).clicked() {
                 actions.command(Command::Samples);
                 done = true;
             }
@@ -165,7 +109,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, recent: &[PathBuf], actions:
         if is_clip && !recent.is_empty() {
             ui.add_space(12.0);
             widgets::heading(ui, "Recent");
-            if let Some(path) = chosen_of(ui, recent) {
+            if let Some(path) = recent::chosen_of(ui, recent) {
                 state.open(path.into(), actions);
             }
         }
@@ -224,58 +168,4 @@ fn first_line_only(ui: &Ui) {
             }
         }
     });
-}
-
-/// Clips that were open lately; gives whether one was chosen.
-pub fn recents(ui: &mut Ui, recent: &[PathBuf], actions: &mut Actions) -> bool {
-    let chosen = chosen_of(ui, recent);
-    chosen.iter().for_each(|path| actions.ask(Action::Open(path.into())));
-    chosen.is_some()
-}
-
-/// That of the clips which was chosen.
-fn chosen_of(ui: &mut Ui, recent: &[PathBuf]) -> Option<PathBuf> {
-    let row = |ui: &mut Ui, path: &PathBuf| {
-        let text = widgets::elide(&path.display().to_string(), 64);
-        ui.add(egui::Button::new((widgets::icon(ui, Icon::History), text)).frame_when_inactive(false)).clicked()
-    };
-    recent.iter().take(8).filter(|path| row(ui, path)).last().cloned()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::parse;
-
-    #[test]
-    fn pasted_paths_are_understood() {
-        let parsed = |text: &str| parse(text).map(|path| path.to_string_lossy().into_owned());
-        assert_eq!(parsed("  \"/a b/c.mp4\" \n").as_deref(), Some("/a b/c.mp4"));
-        assert_eq!(parsed("  "), None);
-        if let Some(home) = std::env::var_os("HOME") {
-            assert_eq!(parse("~/x.gif"), Some(std::path::Path::new(&home).join("x.gif").into()));
-        }
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn what_file_managers_copy_is_decoded() {
-        use std::os::unix::ffi::OsStrExt;
-        assert_eq!(parse("file:///a/b.mp4"), Some("/a/b.mp4".into()));
-        assert_eq!(parse("file:///a%20b/100%25.mp4"), Some("/a b/100%.mp4".into()));
-        assert_eq!(parse("file://localhost/%C3%BCbung.mp4"), Some("/übung.mp4".into()));
-        assert_eq!(parse("file:///caf%E9"), Some(std::ffi::OsStr::from_bytes(b"/caf\xE9").into()));
-        assert_eq!(parse("file:///50%.mp4"), Some("/50%.mp4".into()));
-        assert_eq!(parse("/a/100%20.mp4"), Some("/a/100%20.mp4".into()), "only a URL is coded");
-    }
-
-    #[test]
-    fn of_several_lines_one_is_opened() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("b.mp4");
-        std::fs::write(&file, []).unwrap();
-        let there = file.display();
-        assert_eq!(parse(&format!("# copied\r\n/no/such/a.mp4\r\n{there}\r\n")), Some(file.clone().into()));
-        assert_eq!(parse("/no/a.mp4\n/no/b.mp4"), Some("/no/a.mp4".into()));
-        assert_eq!(parse("look at\nsynth:pillar"), Some("synth:pillar".into()));
-    }
 }

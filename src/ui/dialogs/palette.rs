@@ -15,11 +15,10 @@ use motionscope_core::run::AnyEstimator;
 use motionscope_core::synth;
 
 use super::fuzzy::{self, Rank, Words};
-use crate::paint::{FlowLayer, Theme};
+use crate::paint::Theme;
 use crate::search::Target;
 use crate::session::lesson::{self, Address};
-use crate::ui::app::action::Action;
-use crate::ui::app::commands::{Command, Granularities, Situation};
+use crate::ui::commands::{self, Action, Command, Granularities, Situation};
 use crate::ui::drawing::style;
 use crate::ui::parts::widgets;
 use crate::view::panes::{EXPLANATION, PANES, STAGE};
@@ -166,50 +165,7 @@ fn in_texts(query: &str) -> Option<Entry> {
     let text = format!("Search all texts for “{}”", query.trim());
     let (tip, about, keys) = (String::new(), String::new(), command.key());
     let is_asked = !query.trim().is_empty();
-    is_asked.then(|| Entry { icon: command.info().icon, text, tip, also: "", tags: "", about, keys, action })
-}
-
-/// Words that people look for and that no name has.
-fn tags(command: Command) -> &'static str {
-    use Command as C;
-    match command {
-        C::Open | C::PastePath => "load file video clip movie image folder import detections truth ground",
-        C::OpenRightView => "load stereo second view camera calibration",
-        C::Samples => "example synthetic scene demo",
-        C::Lessons => "course chapter teach learn page",
-        C::NextPage | C::PreviousPage => "lesson turn",
-        C::CopyPage => "lesson markdown write",
-        C::SaveSession => "file store keep",
-        C::ExportPicture | C::ExportSteps => "export save image screenshot figure png svg pdf slides",
-        C::SaveHandout => "print paper pdf pages contact sheet students",
-        C::SaveWorksheet => "print paper pdf exercise homework blank students",
-        C::ExportResult => "export save flow vectors csv table flo kitti mot tracks masks npy",
-        C::Fit | C::ActualSize => "zoom whole scale pixel",
-        C::ZoomIn | C::ZoomOut => "magnify larger smaller",
-        C::LargerInterface | C::SmallerInterface | C::NormalInterface => {
-            "font text type size scale zoom settings preferences options"
-        }
-        C::DarkTheme | C::LightTheme | C::ProjectorTheme | C::NextTheme => {
-            "colours appearance beamer contrast settings preferences options"
-        }
-        C::Lecture | C::FullScreen => "presentation projector beamer class",
-        C::ReducedMotion => "animation accessibility settings preferences options",
-        C::ShowParameters => "settings preferences options sliders values",
-        C::Estimators => "method algorithm choose family list",
-        C::Compare | C::Lockstep => "side by side table benchmark versus",
-        C::Play | C::PlayBack | C::Slower | C::Faster => "speed animate pause reverse",
-        C::NextFrame | C::PreviousFrame => "pair time",
-        C::Undo | C::Redo | C::ResetParameters => "history default change",
-        C::Layer(FlowLayer::Difference) => "flow colour layer overlay compare lockstep",
-        C::Layer(FlowLayer::Confidence | FlowLayer::Consistency) => {
-            "flow colour layer overlay occlusion forward backward"
-        }
-        C::Layer(FlowLayer::Model(_)) => "model quantity background variance sigma layer overlay",
-        C::Layer(_) => "flow colour layer overlay motion",
-        C::Glossary => "definition term meaning",
-        C::Shortcuts => "keys help",
-        _ => "",
-    }
+    is_asked.then(|| Entry { icon: command.entry().icon, text, tip, also: "", tags: "", about, keys, action })
 }
 
 /// What an estimator is about: what it does, how, and what can be set.
@@ -225,11 +181,11 @@ fn entries(input: &Input) -> Vec<Entry> {
     let wanted = |c: &&Command| **c != Command::Palette && c.is_listed(&input.granularities) && c.enabled(&input.now);
     let commands = Command::ALL.iter().filter(wanted).map(|command| {
         let (text, keys, tip) = (command.text(&input.granularities), command.key(), String::new());
-        let face = command.info();
-        let submenu = command.submenu().map_or("", |submenu| submenu.info().0);
-        let (tags, about) = (tags(*command), format!("{submenu} {}", command.tip(&input.granularities)));
-        let (also, action) = (face.menu.name(), Action::Command(*command));
-        Entry { icon: face.icon, text, tip, also, tags, about, keys, action }
+        let commands::Entry { icon, menu, submenu, tags, .. } = command.entry();
+        let submenu = submenu.map_or("", |submenu| submenu.info().0);
+        let about = format!("{submenu} {}", command.tip(&input.granularities));
+        let (also, action) = (menu.name(), Action::Command(*command));
+        Entry { icon, text, tip, also, tags, about, keys, action }
     });
     let all = estimators();
     let estimators = all.iter().map(|estimator| {
@@ -354,7 +310,7 @@ const MOST_NAME: usize = 24;
 mod tests {
     use super::fuzzy::Place;
     use super::*;
-    use crate::ui::app::commands::Menu;
+    use crate::ui::commands::Menu;
 
     #[test]
     fn names_that_begin_with_the_query_come_first() {
@@ -380,8 +336,8 @@ mod tests {
     #[test]
     fn words_of_every_day_find_what_they_mean_first() {
         for query in ["settings", "preferences", "font", "contrast"] {
-            let meant = Command::ALL.iter().filter(|command| tags(**command).contains(query));
-            let meant: Vec<_> = meant.map(|command| command.info().text).collect();
+            let meant = Command::ALL.iter().filter(|command| command.entry().tags.contains(query));
+            let meant: Vec<_> = meant.map(|command| command.entry().text).collect();
             let found = names(query);
             assert!(meant.contains(&found[0].as_str()), "{query}: {:?}", &found[..3]);
         }
@@ -391,18 +347,18 @@ mod tests {
     fn what_a_thing_is_about_finds_it() {
         for (query, text) in [
             ("pyramid", "Estimator: Hierarchical search"),
-            ("zoom", Command::Fit.info().text),
-            ("export", Command::ExportPicture.info().text),
-            ("export", Command::ExportResult.info().text),
-            ("screenshot", Command::ExportPicture.info().text),
+            ("zoom", Command::Fit.entry().text),
+            ("export", Command::ExportPicture.entry().text),
+            ("export", Command::ExportResult.entry().text),
+            ("screenshot", Command::ExportPicture.entry().text),
             ("aperture", "Estimator: Normal flow"),
             ("stripes", "Sample: "),
             ("point cloud", "Chart: Point cloud"),
             ("search window", "Lesson: Sequential search"),
-            ("settings", Command::NormalInterface.info().text),
-            ("preferences", Command::DarkTheme.info().text),
-            ("font", Command::NormalInterface.info().text),
-            ("contrast", Command::ProjectorTheme.info().text),
+            ("settings", Command::NormalInterface.entry().text),
+            ("preferences", Command::DarkTheme.entry().text),
+            ("font", Command::NormalInterface.entry().text),
+            ("contrast", Command::ProjectorTheme.entry().text),
         ] {
             assert!(names(query).iter().any(|found| found.starts_with(text)), "{query}: {:?}", names(query));
         }
@@ -443,17 +399,17 @@ mod tests {
 
     #[test]
     fn a_command_is_found_by_its_menu_before_what_only_speaks_of_it() {
-        let first = Command::ExportPicture.info().text;
+        let first = Command::ExportPicture.entry().text;
         for query in ["export", "export picture", "picture export", "exp pic", "picture of this step"] {
             assert_eq!(names(query)[0], first, "{query}: {:?}", &names(query)[..3]);
         }
-        let menu = Command::ALL.iter().filter(|command| command.info().menu == Menu::Export);
-        let of_menu: Vec<_> = menu.map(|command| command.info().text).collect();
+        let menu = Command::ALL.iter().filter(|command| command.entry().menu == Menu::Export);
+        let of_menu: Vec<_> = menu.map(|command| command.entry().text).collect();
         let found = names("export");
         let listed = found.iter().take_while(|name| of_menu.contains(&name.as_str())).count();
         assert!(listed > 3 && found.iter().skip(listed).all(|name| !of_menu.contains(&name.as_str())), "{found:?}");
         // The pen only says that its ink is exported with pictures.
-        let pen = names("export picture").into_iter().position(|name| name == Command::Pen.info().text);
+        let pen = names("export picture").into_iter().position(|name| name == Command::Pen.entry().text);
         assert!(pen.is_some_and(|at| at > 0));
     }
 

@@ -64,7 +64,7 @@ impl Typed {
 
 /// `text` with a leading `~` as the home folder.
 fn expanded(text: &str) -> String {
-    let home = || super::open::home().and_then(|home| home.into_os_string().into_string().ok());
+    let home = || super::typed::home().and_then(|home| home.into_os_string().into_string().ok());
     match text.strip_prefix('~') {
         Some(rest) if rest.is_empty() || rest.starts_with(std::path::is_separator) => match home() {
             Some(home) => {
@@ -286,7 +286,7 @@ mod tests {
 
     #[test]
     fn a_tilde_is_the_home_folder() {
-        let Some(home) = super::super::open::home() else { return };
+        let Some(home) = super::super::typed::home() else { return };
         let home = home.display().to_string();
         assert_eq!(Typed::of("~/cl").text(), format!("{}{MAIN_SEPARATOR}cl", home.trim_end_matches('/')));
         assert_eq!(Typed::of("a/~b").text(), "a/~b");

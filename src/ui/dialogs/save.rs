@@ -14,11 +14,10 @@ use crate::experiment::source::Source;
 use crate::media::export::{AnimationFormat, Inputs, Timing};
 use crate::paint::{Freehand, Theme, grouped};
 use crate::results::{self, Export};
-use crate::ui::app::action::{Action, Actions, Browse};
-use crate::ui::app::commands::Granularities;
+use crate::ui::commands::{Action, Actions, Browse, CLIP_FRAME, ClipFormat, Granularities, Order, OutputKind};
 use crate::ui::model::background::Background;
 use crate::ui::model::snapshot::Snapshot;
-use crate::ui::model::writer::{self, ClipFormat, Order, OutputKind};
+use crate::ui::model::writer;
 use crate::ui::parts::widgets;
 use crate::view::handout::{Options, PerSheet};
 use crate::view::look::{CaptionWords, Look};
@@ -274,7 +273,7 @@ impl State {
 
     /// Where it is written to: a file has one of the endings of its kind.
     fn target(&self) -> Option<PathBuf> {
-        let path = PathBuf::from(super::open::parse(&self.path.text)?);
+        let path = PathBuf::from(super::typed::parse(&self.path.text)?);
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
         // Pictures of a clip have no file of their own.
         let is_file = |choice: &Choice| self.kind != Kind::Clip || choice.ending != "png";
@@ -295,7 +294,7 @@ impl State {
         let target = &order.path;
         let file = match self.kind {
             Kind::Steps if self.is_folder() => target.join(Steps::file_name(0, self.format())),
-            Kind::Clip if self.is_folder() => target.join(format!("{}0000.png", writer::CLIP_FRAME)),
+            Kind::Clip if self.is_folder() => target.join(format!("{}0000.png", CLIP_FRAME)),
             _ => target.to_owned(),
         };
         // Looking may take a while on a drive far away: once for each name.

@@ -4,7 +4,7 @@ use eframe::egui::style::ScrollStyle;
 use eframe::egui::{self, Grid, Label, RichText, ScrollArea, TextStyle, Ui, vec2};
 
 use crate::paint::Theme;
-use crate::ui::app::commands::{Command, Granularities, Menu, key_text};
+use crate::ui::commands::{Command, Granularities, Menu, key_text};
 use crate::ui::drawing::style;
 use crate::ui::parts::widgets;
 
@@ -54,7 +54,7 @@ fn group(ui: &mut Ui, menu: Menu, granularities: &Granularities, (theme, keys): 
     let names = ui.available_width() - keys - 2.0 * GAP;
     Grid::new(menu.name()).num_columns(2).spacing([GAP, 4.0]).min_col_width(keys).show(ui, |ui| {
         let here =
-            Command::ALL.iter().filter(|command| command.info().menu == menu && command.is_listed(granularities));
+            Command::ALL.iter().filter(|command| command.entry().menu == menu && command.is_listed(granularities));
         for (command, keys) in
             here.map(|command| (command, command.keys(granularities))).filter(|(_, keys)| !keys.is_empty())
         {

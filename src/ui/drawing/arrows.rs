@@ -8,7 +8,7 @@ use eframe::wgpu::{self, util::DeviceExt as _};
 use motionscope_core::scene;
 
 use crate::paint::primitive::{self, Arrows, Pen, Point, form};
-use crate::ui::drawing::ink;
+use crate::ui::drawing::style;
 
 /// From this many on, arrows are drawn by the graphics card itself.
 const INSTANCED: usize = 256;
@@ -220,7 +220,7 @@ fn mesh(arrows: &Arrows, sheet: Sheet) -> Mesh {
     let plain = seen.len() > MANY;
     mesh.reserve_vertices(seen.len() * if plain { 38 } else { 76 });
     let Pen { color, halo, halo_width, .. } = arrows.pen;
-    let (color, halo) = (ink::color(color), ink::color(halo));
+    let (color, halo) = (style::color(color), style::color(halo));
     for arrow in seen {
         // Small arrows by the thousand: their rim needs no soft edge, their dot fewer corners.
         let corners = if plain { 6 } else { 14 };

@@ -1,30 +1,10 @@
-//! The theme's colours and type in the window, and what is painted by hand there.
+//! Words that are painted by hand in the window.
 
 use eframe::egui::text::{LayoutJob, TextWrapping};
-use eframe::egui::{
-    self, Align, Color32, FontFamily, FontId, FontSelection, Painter, Pos2, RichText, TextStyle, Ui, Vec2, vec2,
-};
+use eframe::egui::{self, Align, Color32, FontId, FontSelection, Painter, Pos2, RichText, TextStyle, Ui, Vec2, vec2};
 
 use crate::paint::legend;
 use crate::paint::script::{self, Script};
-use crate::paint::{Color, Face};
-
-/// A colour of the theme as the window wants it.
-pub fn color(color: Color) -> Color32 {
-    let [r, g, b, a] = color.0;
-    Color32::from_rgba_unmultiplied(r, g, b, a)
-}
-
-/// A face of the program's type at `size` points.
-pub fn font(face: Face, size: f32) -> FontId {
-    let family = match face {
-        Face::Sans => FontFamily::Proportional,
-        Face::Mono => FontFamily::Monospace,
-        Face::Bold => crate::ui::drawing::style::bold(),
-        Face::Italic => FontFamily::Name("italic".into()),
-    };
-    FontId::new(size, family)
-}
 
 /// How often the atlas of glyphs was made anew. Shapes with text from before show other glyphs than they were made with, so
 /// whatever keeps shapes keeps this number with them.
@@ -88,7 +68,7 @@ pub const SWATCH: Vec2 = vec2(legend::SWATCH[0], legend::SWATCH[1]);
 
 #[cfg(test)]
 mod tests {
-    use eframe::egui::{Context, RawInput};
+    use eframe::egui::{Context, FontFamily, RawInput};
 
     use super::*;
 

@@ -2,7 +2,7 @@
 
 use eframe::egui::{Event, Painter, PointerButton, Pos2, Response, Stroke, Ui};
 
-use super::ink;
+use super::style;
 use crate::paint::{FreehandLine, PenColor, Theme, pen_width};
 
 /// Distance in points from which the pen has moved.
@@ -43,8 +43,8 @@ pub fn ended(ui: &Ui, line: &mut Option<FreehandLine>) -> Option<FreehandLine> {
 pub fn dot(sensed: &Response, painter: &Painter, (theme, color): (Theme, PenColor)) {
     if let Some(at) = sensed.hover_pos().or(sensed.interact_pointer_pos()) {
         let (inked, radius) = (theme.ink(color.role()), 0.5 * pen_width(theme));
-        let rim = Stroke::new(inked.halo_width, ink::color(inked.halo));
-        painter.circle(at, radius + 1.0, ink::color(inked.color), rim);
+        let rim = Stroke::new(inked.halo_width, style::color(inked.halo));
+        painter.circle(at, radius + 1.0, style::color(inked.color), rim);
     }
 }
 

@@ -8,7 +8,7 @@ use crate::paint::primitive::{self, Arrows, Line, Point, Trails};
 use crate::paint::script::{self, Script};
 use crate::paint::{Primitive, fonts};
 use crate::ui::drawing::arrows::{Drawn, Sheet};
-use crate::ui::drawing::ink;
+use crate::ui::drawing::style;
 
 /// `primitives` as shapes; pictures among them are left out, for they need textures that someone keeps.
 pub fn shapes(painter: &Painter, primitives: &[Primitive]) -> Vec<Shape> {
@@ -47,7 +47,8 @@ fn ribbons(trails: &Trails, clip: &primitive::Rect) -> Shape {
         match primitive {
             Primitive::Polyline { points, stroke, .. } => {
                 let [from, to] = [points[0], points[1]].map(Pos2::from);
-                let (across, color) = ((to - from).normalized().rot90() * stroke.width / 2.0, ink::color(stroke.color));
+                let (across, color) =
+                    ((to - from).normalized().rot90() * stroke.width / 2.0, style::color(stroke.color));
                 for at in [from - across, from + across, to - across, to + across] {
                     mesh.colored_vertex(at, color);
                 }
@@ -57,7 +58,7 @@ fn ribbons(trails: &Trails, clip: &primitive::Rect) -> Shape {
             Primitive::Disc { center, radius, color } => {
                 for i in 0..CORNERS {
                     let way = egui::Vec2::angled(i as f32 / CORNERS as f32 * std::f32::consts::TAU);
-                    mesh.colored_vertex(Pos2::from(center) + way * radius, ink::color(color));
+                    mesh.colored_vertex(Pos2::from(center) + way * radius, style::color(color));
                 }
                 (1..CORNERS - 1).for_each(|i| mesh.add_triangle(first, first + i, first + i + 1));
             }
@@ -115,11 +116,11 @@ impl<'a> Maker<'a> {
         }
         match primitive {
             Primitive::Polygon { points, color } => {
-                self.shapes.push(Shape::convex_polygon(places(points), ink::color(*color), egui::Stroke::NONE));
+                self.shapes.push(Shape::convex_polygon(places(points), style::color(*color), egui::Stroke::NONE));
             }
             Primitive::Polyline { points, closed, stroke } => self.line(points, *closed, stroke),
             Primitive::Disc { center, radius, color } => {
-                self.shapes.push(Shape::circle_filled((*center).into(), *radius, ink::color(*color)));
+                self.shapes.push(Shape::circle_filled((*center).into(), *radius, style::color(*color)));
             }
             Primitive::Text(line) => self.text(line),
             Primitive::Image { pixels, rect } => {
@@ -137,7 +138,7 @@ impl<'a> Maker<'a> {
 
     fn line(&mut self, points: &[Point], closed: bool, stroke: &primitive::Stroke) {
         let mut points = places(points);
-        let pen = egui::Stroke::new(stroke.width, ink::color(stroke.color));
+        let pen = egui::Stroke::new(stroke.width, style::color(stroke.color));
         if closed && stroke.dash.is_empty() {
             self.shapes.push(PathShape::closed_line(points, pen).into());
             return;
@@ -153,8 +154,8 @@ impl<'a> Maker<'a> {
         let parts = line.runs.iter().flat_map(|run| script::parts(&run.text).into_iter().map(move |part| (run, part)));
         let mut before = "";
         for (run, (words, script)) in parts {
-            let font = ink::font(run.face, script.share() * line.size);
-            let galley = self.painter.layout_no_wrap(words.to_owned(), font, ink::color(run.color));
+            let font = style::font(run.face, script.share() * line.size);
+            let galley = self.painter.layout_no_wrap(words.to_owned(), font, style::color(run.color));
             let baseline = galley.rows.first().and_then(|row| row.glyphs.first()).map_or(0.0, |glyph| glyph.pos.y);
             let mut corner = at - vec2(0.0, baseline + script.rise() * line.size);
             if script == Script::Over {
@@ -164,7 +165,7 @@ impl<'a> Maker<'a> {
             if let Some(halo) = line.halo {
                 let around = (0..8).map(|i| egui::Vec2::angled(i as f32 * std::f32::consts::FRAC_PI_4) * 1.2);
                 self.shapes.extend(around.map(|offset| {
-                    Shape::galley_with_override_text_color(corner + offset, galley.clone(), ink::color(halo))
+                    Shape::galley_with_override_text_color(corner + offset, galley.clone(), style::color(halo))
                 }));
             }
             if script != Script::Over {

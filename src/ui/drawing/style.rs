@@ -9,9 +9,7 @@ use eframe::egui::{
     self, Color32, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, Margin, Stroke, TextStyle, vec2,
 };
 
-use crate::paint::Theme;
-use crate::paint::fonts::Face;
-pub use crate::ui::drawing::ink::color;
+use crate::paint::{Color, Face, Theme};
 
 /// How large and how lively the window is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +24,28 @@ pub struct Interface {
 
 /// The smallest and the largest interface scale, and the step between two.
 pub const ZOOM: (f32, f32, f32) = (0.6, 2.5, 0.1);
+
+/// Height of a line of small type in points.
+pub fn line_height(theme: Theme) -> f32 {
+    (theme.sizes().small * 1.7).round()
+}
+
+/// A colour of the theme as the window wants it.
+pub fn color(color: Color) -> Color32 {
+    let [r, g, b, a] = color.0;
+    Color32::from_rgba_unmultiplied(r, g, b, a)
+}
+
+/// A face of the program's type at `size` points.
+pub fn font(face: Face, size: f32) -> FontId {
+    let family = match face {
+        Face::Sans => FontFamily::Proportional,
+        Face::Mono => FontFamily::Monospace,
+        Face::Bold => bold(),
+        Face::Italic => FontFamily::Name("italic".into()),
+    };
+    FontId::new(size, family)
+}
 
 /// The family of semi-bold type.
 pub fn bold() -> FontFamily {

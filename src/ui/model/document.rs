@@ -19,17 +19,7 @@ use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Prepared};
 use crate::media::Given;
 use crate::media::export::Inputs;
-
-/// Which set of parameters one belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Owner {
-    /// The estimator.
-    Estimator,
-    /// The estimator in lockstep with it that has this index.
-    Beside(usize),
-    /// The synthetic clip.
-    Difficulty,
-}
+use crate::ui::commands::Owner;
 
 /// What is open and how it is set.
 pub struct Document {

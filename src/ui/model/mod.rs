@@ -1,6 +1,7 @@
 //! The model of the window: the document, the run on its thread, opening and saving.
 
 pub mod background;
+pub mod chosen_charts;
 pub mod comparing;
 pub mod document;
 pub mod history;

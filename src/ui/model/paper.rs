@@ -3,7 +3,6 @@
 use motionscope_core::base::Error;
 
 use super::snapshot::Snapshot;
-use super::writer::{Order, OutputKind};
 use crate::experiment::pixel::Chosen;
 use crate::media::Progress;
 use crate::media::export::{self, Inputs, Target};
@@ -11,6 +10,7 @@ use crate::paint::Freehand;
 use crate::paint::charts::prose::Prose;
 use crate::session::lesson::Lesson;
 use crate::session::lesson::handout;
+use crate::ui::commands::{Order, OutputKind};
 use crate::view::look::Look;
 use crate::view::page::Stand;
 use crate::view::paper::THEME;

@@ -3,8 +3,6 @@
 use motionscope_core::run::Direction;
 use serde::{Deserialize, Serialize};
 
-use crate::ui::app::commands::Command;
-
 /// Steps after which nothing needs to be said, whichever way they went.
 const MOST: u8 = 12;
 
@@ -18,9 +16,11 @@ pub struct Practice {
 }
 
 impl Practice {
-    /// Notes that `command` was executed.
-    pub fn note(&mut self, command: Command) {
-        let Some(way) = way(command).filter(|_| !self.is_over()) else { return };
+    /// Notes a step that way.
+    pub fn note(&mut self, way: Direction) {
+        if self.is_over() {
+            return;
+        }
         match way {
             Direction::Forward => self.forward = true,
             Direction::Back => self.back = true,
@@ -34,16 +34,6 @@ impl Practice {
     }
 }
 
-/// The way in which a command steps.
-fn way(command: Command) -> Option<Direction> {
-    use Command as C;
-    match command {
-        C::Into | C::Over | C::Out | C::NextUnit => Some(Direction::Forward),
-        C::IntoBack | C::OverBack | C::OutBack | C::PreviousUnit => Some(Direction::Back),
-        _ => None,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -51,12 +41,12 @@ mod tests {
     #[test]
     fn a_step_there_and_one_back_are_enough_and_so_are_many() {
         let mut practice = Practice::default();
-        [Command::Into, Command::Play, Command::Into].into_iter().for_each(|command| practice.note(command));
+        [Direction::Forward; 2].into_iter().for_each(|way| practice.note(way));
         assert!(!practice.is_over());
         let mut forward = practice;
-        practice.note(Command::IntoBack);
+        practice.note(Direction::Back);
         assert!(practice.is_over());
-        (0..300).for_each(|_| forward.note(Command::NextUnit));
+        (0..300).for_each(|_| forward.note(Direction::Forward));
         assert!(forward.is_over());
     }
 }

@@ -3,16 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use eframe::egui::Vec2;
+use motionscope_core::AnyEstimator;
 use serde::{Deserialize, Serialize};
 
+use super::chosen_charts::ChosenCharts;
 use super::player::Player;
 use super::practice::Practice;
 use crate::media::camera::Size;
 use crate::paint::View;
 use crate::session::lesson::Address;
 use crate::ui::drawing::style::{Interface, ZOOM};
-use crate::ui::panes::charts::Chosen;
-use crate::ui::panes::layout::{self, Folded, Mode, Pane, SHARES, Shares};
+use crate::ui::layout::{self, Folded, Mode, Pane, SHARES, Shares};
 use crate::view::look::Look;
 
 /// Clips that are remembered.
@@ -39,6 +40,14 @@ pub struct LeftAt {
     pub frame: usize,
     /// The step.
     pub step: String,
+}
+
+impl LeftAt {
+    /// An estimator with its parameters, as text that says whether another is the same.
+    pub fn run_of(estimator: &dyn AnyEstimator) -> String {
+        let values = estimator.all_values().into_iter().map(|(name, value)| format!(" {name}={value}"));
+        format!("{}{}", estimator.info().id, values.collect::<String>())
+    }
 }
 
 /// What was chosen for the camera.
@@ -98,7 +107,7 @@ pub struct Settings {
     /// How the person has shared out the room.
     pub shares: Shares,
     /// Which charts are looked at.
-    pub charts: Chosen,
+    pub charts: ChosenCharts,
     /// How the panes are arranged in the window as it is.
     #[serde(skip)]
     pub mode: Option<Mode>,
@@ -124,7 +133,7 @@ impl Default for Settings {
             camera: CameraChoices::default(),
             speed: Player::default().speed,
             shares: Shares::default(),
-            charts: Chosen::default(),
+            charts: ChosenCharts::default(),
             mode: None,
             is_narrow: false,
         }

@@ -28,7 +28,7 @@ use worker::Worker;
 
 use super::snapshot::{Hold, Job, Place, Snapshot};
 use crate::experiment::Prepared;
-use crate::ui::app::action::Side;
+use crate::ui::commands::Side;
 use crate::view::look::Look;
 
 /// A move that works longer than this gives way to the next request; less, and a drag would never arrive anywhere.

@@ -7,11 +7,9 @@ use lucide_icons::Icon;
 
 use crate::experiment::{is_of_pair, is_repeated, repeated_note};
 use crate::paint::grouped;
-use crate::ui::app::action::{Action, Actions};
-use crate::ui::app::commands::Command;
+use crate::ui::commands::{Action, Actions, Command};
 use crate::ui::drawing::style;
 use crate::ui::model::document::Document;
-use crate::ui::panes::parameters;
 use crate::ui::parts::widgets;
 
 /// Draws the card.
@@ -20,7 +18,7 @@ pub fn show(ui: &mut Ui, document: &Document, actions: &mut Actions) {
         widgets::heading(ui, "Clip");
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             for command in [Command::Open, Command::Samples, Command::Lessons] {
-                let face = command.info();
+                let face = command.entry();
                 if widgets::icon_button(ui, face.icon, face.text, false).on_hover_text(face.tip).clicked() {
                     actions.command(command);
                 }
@@ -28,15 +26,15 @@ pub fn show(ui: &mut Ui, document: &Document, actions: &mut Actions) {
         });
     });
     let Some(clip) = document.clip() else {
-        ui.label(parameters::dim(ui, "No clip is open."));
+        ui.label(widgets::dim(ui, "No clip is open."));
         return;
     };
     let info = clip.info();
     ui.label(RichText::new(&info.name).family(style::bold())).on_hover_text(&info.name);
     if let Some(sample) = document.sample() {
-        ui.label(parameters::dim(ui, sample.teaches).small());
+        ui.label(widgets::dim(ui, sample.teaches).small());
     }
-    ui.label(parameters::dim(ui, facts(document)).small());
+    ui.label(widgets::dim(ui, facts(document)).small());
     frame(ui, document, actions);
     let repeated = is_repeated_pair(ui, document).then(|| repeated_note(document.frame()));
     for warning in info.warnings.iter().chain(&repeated) {
@@ -91,7 +89,7 @@ pub fn facts(document: &Document) -> String {
 
 /// A small button to another pair of frames.
 fn to_frame(ui: &mut Ui, glyph: Icon, command: Command, actions: &mut Actions) {
-    let face = command.info();
+    let face = command.entry();
     if widgets::icon_button(ui, glyph, face.text, false).on_hover_text(command.with_key(face.tip)).clicked() {
         actions.command(command);
     }

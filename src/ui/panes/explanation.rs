@@ -11,6 +11,7 @@ use crate::paint::charts::changes::Since;
 use crate::paint::charts::explanation::{self, Block, Density, Light};
 use crate::ui::drawing::chart::{rect_from, unclipped};
 use crate::ui::drawing::{ink, primitives};
+use crate::ui::layout::StripRoom;
 use crate::ui::panes::glossary::{self, Beside, Link};
 
 /// What is explained.
@@ -41,6 +42,11 @@ impl<'a> Input<'a> {
     fn facts(&self) -> Since<'a, Fact> {
         let before = self.before.map_or(&[][..], Step::facts);
         Since { now: self.step.facts(), before }
+    }
+
+    /// The numbers that stand in for a formula in `room`.
+    fn facts_in(&self, room: StripRoom) -> Since<'a, Fact> {
+        if room.is_sentence_alone { Since { now: &[], before: &[] } } else { self.facts() }
     }
 }
 
@@ -320,28 +326,6 @@ fn column(ui: &mut Ui, input: Input<'_>, state: &mut State, [has_why, has_how]: 
 /// A part of the strip, with its top left corner in points.
 type Placed<Content> = (Vec2, Content);
 
-/// The room of the strip.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct StripRoom {
-    /// Whether it is read in the last row: rather shortened than small.
-    pub is_presented: bool,
-    /// The most height that it can have, in points.
-    pub most: f32,
-    /// Its type, in points.
-    pub type_pt: f32,
-    /// Whether its parts stand below each other.
-    pub is_column: bool,
-    /// Whether a chart has the place of the formula.
-    pub is_sentence_alone: bool,
-}
-
-impl StripRoom {
-    /// The numbers that stand in for a formula.
-    fn facts<'a>(self, input: Input<'a>) -> Since<'a, Fact> {
-        if self.is_sentence_alone { Since { now: &[], before: &[] } } else { input.facts() }
-    }
-}
-
 /// Sentence and formula, and the room that they have needed so far.
 #[derive(Clone, Debug, Default)]
 pub struct Strip {
@@ -465,7 +449,7 @@ fn strip_rows(
     room: StripRoom,
 ) -> Vec<Placed<Block>> {
     let Input { step, theme, .. } = input;
-    let (facts, most) = (room.facts(input), room.most);
+    let (facts, most) = (input.facts_in(room), room.most);
     let sentence = explanation::sentence(&step.sentence, (width, density), theme);
     let below = vec2(0.0, sentence.size[1] + STRIP_GAP);
     let second = match (formula.is_empty(), facts.is_empty()) {
@@ -520,7 +504,7 @@ fn strip_columns(
     room: StripRoom,
 ) -> Vec<Placed<Block>> {
     let Input { step, theme, .. } = input;
-    let (facts, most) = (room.facts(input), room.most);
+    let (facts, most) = (input.facts_in(room), room.most);
     let sentence = |width: f32| explanation::sentence(&step.sentence, (width, density), theme);
     let lines = |lines: Since<'_, Math>, width: f32| explanation::equation(lines, (width, density), theme);
     if formula.is_empty() && facts.is_empty() {

@@ -17,8 +17,7 @@ use crate::paint::Theme;
 use crate::paint::charts::explanation::Block;
 use crate::paint::charts::prose::{self, Prose};
 use crate::session::lesson::Address;
-use crate::ui::app::action::{Action, Actions};
-use crate::ui::app::commands::Command;
+use crate::ui::commands::{Action, Actions, Command};
 use crate::ui::drawing::chart::rect_from;
 use crate::ui::drawing::{ink, style};
 use crate::ui::model::lesson::OpenLesson;
@@ -207,7 +206,7 @@ fn head(ui: &mut Ui, (open, back, has_notes): (&mut OpenLesson, Option<&str>, bo
     if widgets::cross(buttons, "Close lesson").clicked() {
         actions.command(Command::CloseLesson);
     }
-    let list = widgets::icon_button(buttons, Command::Lessons.info().icon, "Lessons", false);
+    let list = widgets::icon_button(buttons, Command::Lessons.entry().icon, "Lessons", false);
     if list.on_hover_text(Command::Lessons.with_key("All lessons")).clicked() {
         actions.command(Command::Lessons);
     }
@@ -219,13 +218,13 @@ fn head(ui: &mut Ui, (open, back, has_notes): (&mut OpenLesson, Option<&str>, bo
     }
     if let Some(page) = back {
         let name = format!("Back to {page}");
-        let way_back = widgets::icon_button(buttons, Command::BackToPage.info().icon, &name, false);
+        let way_back = widgets::icon_button(buttons, Command::BackToPage.entry().icon, &name, false);
         if way_back.on_hover_text(Command::BackToPage.with_key(&name)).clicked() {
             actions.command(Command::BackToPage);
         }
     }
     let mut way = |ui: &mut Ui, command: Command, is_there: bool| {
-        let (icon, name) = (command.info().icon, command.info().text);
+        let (icon, name) = (command.entry().icon, command.entry().text);
         if ui.add_enabled_ui(is_there, |ui| widgets::icon_button(ui, icon, name, false)).inner.clicked() {
             actions.command(command);
         }

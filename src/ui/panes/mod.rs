@@ -4,8 +4,6 @@ pub mod charts;
 pub mod clip_card;
 pub mod explanation;
 pub mod glossary;
-pub mod granularities;
-pub mod layout;
 pub mod lesson;
 pub mod parameters;
 pub mod presenter;
@@ -32,7 +30,7 @@ use motionscope_core::run::{AnyEstimator, Cursor, Info};
 use motionscope_core::scene::{Readout, Step};
 use serde::{Deserialize, Serialize};
 
-use super::model::document::{Document, Owner};
+use super::model::document::Document;
 use super::model::loader::Loading;
 use super::model::pen::Pen;
 use super::model::snapshot::Snapshot;
@@ -41,18 +39,17 @@ use super::parts::widgets;
 use crate::paint::FreehandLine;
 use crate::paint::charts::heat_map::event;
 use crate::paint::charts::relief::standing;
-use crate::ui::app::action::{Action, Actions, Side};
-use crate::ui::app::commands::Command;
 use crate::ui::charts::{
     cloud3d, diagram, distribution, heat_map, histogram, matrices, plane, plots, regions, stack3d, surface3d, tiles,
 };
+use crate::ui::commands::{Action, Actions, Command, Owner, Side};
 use crate::ui::drawing::style;
+use crate::ui::layout::{self, Arrangement, Border, SHARES, Shares, StripRoom};
+use crate::ui::model::chosen_charts::ChosenCharts;
 use crate::ui::stage;
 use crate::view::look::Look;
 use crate::view::panes::{Angles, Pane};
-use charts::Chosen;
 use glossary::Beside;
-use layout::{Arrangement, Border, SHARES, Shares};
 
 /// What can be done on the stage, told once.
 const HINT: &str =
@@ -162,7 +159,7 @@ pub struct Panes<'a> {
     /// The charts of the step that is explained.
     pub of_step: Vec<&'static Pane>,
     /// Which charts are looked at.
-    pub charts: &'a mut Chosen,
+    pub charts: &'a mut ChosenCharts,
     /// How the person has shared out the room.
     pub shares: &'a mut Shares,
     /// Whether a step may move.
@@ -547,7 +544,7 @@ impl Panes<'_> {
             ui.horizontal(|ui| {
                 ui.add_space((ui.available_width() - 26.0 * size).max(0.0) / 2.0);
                 for command in [Command::Open, Command::Samples, Command::Lessons] {
-                    let face = command.info();
+                    let face = command.entry();
                     let button = Button::new((widgets::icon(ui, face.icon), face.text));
                     if ui.add(button.min_size(vec2(8.0 * size, 2.4 * size))).clicked() {
                         self.actions.command(command);
@@ -570,7 +567,7 @@ impl Panes<'_> {
     }
 
     /// Sentence and formula.
-    fn strip(&mut self, ui: &mut Ui, room: explanation::StripRoom) {
+    fn strip(&mut self, ui: &mut Ui, room: StripRoom) {
         if let Some(shown) = &self.view.shown {
             let beside = Beside::new(&shown.scene, self.explained(shown).0.family, self.look.theme);
             let input = self.explanation_input(shown, &beside);

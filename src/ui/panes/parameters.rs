@@ -15,10 +15,9 @@ use motionscope_core::run::lockstep;
 use serde::{Deserialize, Serialize};
 
 use crate::paint::Theme;
-use crate::ui::app::action::{Action, Actions};
-use crate::ui::app::commands::Command;
+use crate::ui::commands::{Action, Actions, Command, Owner};
 use crate::ui::drawing::style;
-use crate::ui::model::document::{Document, Owner};
+use crate::ui::model::document::Document;
 use crate::ui::panes::clip_card;
 use crate::ui::panes::glossary;
 use crate::ui::parts::slider::Slider;
@@ -242,7 +241,7 @@ fn fold_advanced(ui: &mut Ui, section: &str, rows: &[Row<'_>], state: &mut State
     let text = if changed > 0 { format!("Advanced ({changed} changed)") } else { "Advanced".to_owned() };
     let header = ui.horizontal(|ui| {
         let pressed = triangle(ui, &mut fold, &text).clicked();
-        let label = ui.add(egui::Label::new(dim(ui, &text)).wrap().selectable(false).sense(Sense::click()));
+        let label = ui.add(egui::Label::new(widgets::dim(ui, &text)).wrap().selectable(false).sense(Sense::click()));
         label.widget_info(|| WidgetInfo::selected(egui::Role::DisclosureTriangle, true, was_open, &text));
         let tip = "Parameters that are seldom changed.";
         pressed != label.on_hover_text(tip).clicked()
@@ -277,7 +276,7 @@ fn of_stage(ui: &mut Ui, parent: &Row<'_>, stage: &StageValue, state: &mut State
     let header = ui.horizontal(|ui| {
         let words = format!("{} in detail", part.name());
         triangle(ui, &mut fold, &words);
-        let name = dim(ui, words);
+        let name = widgets::dim(ui, words);
         let name = egui::Label::new(name).wrap().selectable(false).sense(Sense::click());
         if ui.add(name).on_hover_text(part.summary()).clicked() {
             fold.toggle(ui);
@@ -566,7 +565,7 @@ impl Row<'_> {
     ) -> R {
         if self.is_in_strip {
             ui.add_space(STRIP_GAP);
-            let label = egui::Label::new(dim(ui, &self.spec.label).small()).sense(Sense::hover());
+            let label = egui::Label::new(widgets::dim(ui, &self.spec.label).small()).sense(Sense::hover());
             let label = self.explained(ui.add(label));
             return add(ui, &label);
         }
@@ -786,11 +785,6 @@ fn toggle(ui: &mut Ui, on: bool, theme: Theme) -> Response {
     let knob = off.mix(chrome.on_accent, how);
     ui.painter().circle_filled(egui::pos2(x, rect.center().y), radius - 3.0, style::color(knob));
     response
-}
-
-/// The text of a value that matters less.
-pub fn dim(ui: &Ui, text: impl Into<String>) -> RichText {
-    RichText::new(text).color(ui.visuals().weak_text_color())
 }
 
 #[cfg(test)]

@@ -4,8 +4,7 @@ use eframe::egui::{self, Align, Button, FontId, Label, Layout, RichText, ScrollA
 use motionscope_core::base::Error;
 
 use crate::paint::Theme;
-use crate::ui::app::action::Actions;
-use crate::ui::app::commands::Command;
+use crate::ui::commands::{Actions, Command};
 use crate::ui::drawing::style;
 use crate::ui::model::document::Document;
 use crate::ui::model::lesson::OpenLesson;
@@ -208,7 +207,7 @@ fn notes(ui: &mut Ui, lesson: Option<&OpenLesson>) {
 fn steps(ui: &mut Ui, actions: &mut Actions) {
     ui.horizontal(|ui| {
         for (command, text) in [(Command::IntoBack, "Previous step"), (Command::Into, "Next step")] {
-            let button = Button::new((widgets::icon(ui, command.info().icon), text));
+            let button = Button::new((widgets::icon(ui, command.entry().icon), text));
             if ui.add(button).on_hover_text(command.key()).clicked() {
                 actions.command(command);
             }

@@ -6,8 +6,7 @@ use motionscope_core::base::words::capital;
 use motionscope_core::run::Cursor;
 
 use crate::paint::Theme;
-use crate::ui::app::action::{Action, Actions};
-use crate::ui::app::commands::Command;
+use crate::ui::commands::{Action, Actions, Command};
 use crate::ui::drawing::style;
 use crate::ui::model::predict::{ARROWS, DIRECTIONS, Open, Predict, SAME_PLACE, asks_for_number, asks_for_place};
 use crate::ui::panes::status;

@@ -20,8 +20,7 @@ use motionscope_core::synth::SCENES;
 
 use crate::paint::Theme;
 use crate::session::lesson::{self, Address};
-use crate::ui::app::action::{Action, Actions};
-use crate::ui::app::commands::Command;
+use crate::ui::commands::{Action, Actions, Command};
 use crate::ui::drawing::style;
 use crate::ui::model::loader::Loading;
 use crate::ui::model::previews::Previews;
@@ -220,7 +219,7 @@ impl Drawn<'_, '_> {
 
     fn button(&mut self, ui: &mut Ui, command: Command) {
         let size = TextStyle::Body.resolve(ui.style()).size;
-        let info = command.info();
+        let info = command.entry();
         // In a narrow window the icons alone.
         let is_narrow = ui.ctx().content_rect().width() < NAMED_LETTERS * size;
         let glyph = widgets::icon(ui, info.icon);

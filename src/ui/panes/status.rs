@@ -7,8 +7,7 @@ use motionscope_core::run::{Cursor, FRAME, Granularity, LEVEL, ROW};
 use motionscope_core::scene::{Focus, Picture};
 
 use crate::paint::grouped;
-use crate::ui::app::action::Actions;
-use crate::ui::app::commands::{Command, Granularities, key_text};
+use crate::ui::commands::{Actions, Command, Granularities, key_text};
 use crate::ui::model::snapshot::{Pointed, Snapshot};
 use crate::ui::model::walker::{Phase, View};
 use crate::view::tile;
@@ -56,7 +55,7 @@ pub fn progress(ui: &mut Ui, work: &Work, actions: &mut Actions) {
         None => drop(ui.spinner()),
     }
     ui.label(RichText::new(&work.what).small());
-    let stop = format!("{} ({})", Command::Stop.info().text, Command::Stop.key());
+    let stop = format!("{} ({})", Command::Stop.entry().text, Command::Stop.key());
     if ui.add(Button::new(RichText::new(stop).small()).small()).clicked() {
         actions.command(Command::Stop);
     }
@@ -158,7 +157,7 @@ pub fn keys(granularities: Granularities) -> String {
     let named =
         [(Command::Into, event), (Command::Over, unit), (Command::Play, "play"), (Command::Shortcuts, "all keys")];
     let keys = named.iter().filter_map(|(command, name)| {
-        let key = command.info().keys.first()?;
+        let key = command.entry().keys.first()?;
         Some(format!("{} {name}", key_text(*key)))
     });
     keys.collect::<Vec<_>>().join("   ")

@@ -5,15 +5,11 @@ use lucide_icons::Icon;
 use motionscope_core::params::Params;
 
 use crate::paint::Theme;
-use crate::ui::app::action::Actions;
-use crate::ui::app::commands::{Command, Granularities, Menu, Situation};
-use crate::ui::dialogs::open as open_dialog;
+use crate::ui::commands::{Actions, Command, Granularities, Menu, Situation};
 use crate::ui::drawing::style;
 use crate::ui::model::document::Document;
-use crate::ui::panes::layout::Folded;
 use crate::ui::panes::{parameters, transport};
-use crate::ui::parts::widgets;
-use crate::view::look::Look;
+use crate::ui::parts::{recent, widgets};
 
 /// What the bar shows.
 pub struct Input<'a> {
@@ -29,14 +25,8 @@ pub struct Input<'a> {
     pub granularities: Granularities,
     /// Whether the parameters that matter most stand in the bar.
     pub has_strip: bool,
-    /// What is folded away.
-    pub folded: Folded,
-    /// Whether things change at once.
-    pub reduced_motion: bool,
     /// Clips that were open lately.
     pub recent: &'a [std::path::PathBuf],
-    /// How pictures look.
-    pub look: Look,
 }
 
 /// Width per point of type size below which the menus share one button.
@@ -47,7 +37,7 @@ pub fn show(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     let size = TextStyle::Body.resolve(ui.style()).size;
     let roomy = ui.available_width() / size > ROOMY;
     MenuBar::new().ui(ui, |ui| {
-        brand(ui, input.look.theme, roomy && !input.has_strip);
+        brand(ui, input.now.look.theme, roomy && !input.has_strip);
         if roomy {
             for menu in Menu::ALL {
                 ui.menu_button(menu.name(), |ui| items(ui, menu, input, actions));
@@ -122,7 +112,7 @@ fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
         }
         if !input.recent.is_empty() {
             ui.separator();
-            open_dialog::recents(ui, input.recent, actions);
+            recent::recents(ui, input.recent, actions);
         }
     });
     clip.response.on_hover_text(crate::ui::panes::clip_card::facts(input.document));
@@ -151,7 +141,7 @@ fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
         ui.label(RichText::new(place).color(dim));
     }
     if input.has_strip {
-        let (document, theme) = (input.document, input.look.theme);
+        let (document, theme) = (input.document, input.now.look.theme);
         let of = parameters::Input { document, placing: None, can_be_closed: false, theme };
         parameters::strip(ui, of, actions);
     }
@@ -163,7 +153,7 @@ fn right(ui: &mut Ui, input: &Input, roomy: bool, actions: &mut Actions) {
         button(ui, Command::FullScreen, input, actions);
     }
     button(ui, Command::Lecture, input, actions);
-    theme(ui, input.look.theme, actions);
+    theme(ui, input.now.look.theme, actions);
     for command in [Command::ShowExplanation, Command::ShowCharts, Command::ShowParameters] {
         button(ui, command, input, actions);
     }
@@ -176,7 +166,7 @@ fn right(ui: &mut Ui, input: &Input, roomy: bool, actions: &mut Actions) {
     let words = RichText::new("Find").color(dim);
     let search = Button::new((widgets::icon(ui, Icon::Search).color(dim), words))
         .right_text(RichText::new(Command::Palette.key()).small().color(dim));
-    let search = search.fill(style::color(input.look.theme.chrome().raised));
+    let search = search.fill(style::color(input.now.look.theme.chrome().raised));
     let response = ui.add(search.min_size(egui::vec2(11.0 * TextStyle::Body.resolve(ui.style()).size, 0.0)));
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Find a command"));
     if transport::tooltip(response, Command::Palette, &input.granularities).clicked() {
@@ -187,14 +177,16 @@ fn right(ui: &mut Ui, input: &Input, roomy: bool, actions: &mut Actions) {
 
 fn button(ui: &mut Ui, command: Command, input: &Input, actions: &mut Actions) {
     // What is on is bright, what is folded away is dim: a bar at rest is quiet.
-    let dim = is_on(command, input) == Some(false);
+    let dim = command.is_on(&input.now) == Some(false);
     let text = command.text(&input.granularities);
     let response = ui.scope(|ui| {
         if dim {
             ui.visuals_mut().widgets.inactive.fg_stroke.color = ui.visuals().weak_text_color();
         }
-        ui.add_enabled_ui(command.enabled(&input.now), |ui| widgets::icon_button(ui, command.info().icon, &text, false))
-            .inner
+        ui.add_enabled_ui(command.enabled(&input.now), |ui| {
+            widgets::icon_button(ui, command.entry().icon, &text, false)
+        })
+        .inner
     });
     let response = response.inner;
     if transport::tooltip(response, command, &input.granularities).clicked() {
@@ -216,31 +208,11 @@ fn theme(ui: &mut Ui, now: Theme, actions: &mut Actions) {
             (Theme::Light, Command::LightTheme),
             (Theme::Projector, Command::ProjectorTheme),
         ] {
-            if ui.selectable_label(theme == now, theme.name()).on_hover_text(command.info().tip).clicked() {
+            if ui.selectable_label(theme == now, theme.name()).on_hover_text(command.entry().tip).clicked() {
                 actions.command(command);
             }
         }
     });
-}
-
-/// Whether a command that toggles something is on.
-fn is_on(command: Command, input: &Input) -> Option<bool> {
-    match command {
-        Command::ShowParameters => Some(!input.folded.parameters),
-        Command::EnlargeChart => Some(input.now.has_enlarged),
-        Command::ShowExplanation => Some(!input.folded.explanation),
-        Command::ShowCharts => Some(!input.folded.charts),
-        Command::Lecture => Some(input.now.lecture),
-        Command::ReducedMotion => Some(input.reduced_motion),
-        Command::Lockstep => Some(input.now.in_lockstep),
-        Command::Streaks => Some(input.look.streaks.is_some()),
-        Command::LockScale => Some(input.look.color_scale.is_some()),
-        _ if command.layer().is_some() => Some(command.layer() == Some(input.now.available.chosen(input.look.layer))),
-        _ => {
-            let (name, value) = command.look()?;
-            input.look.get(name).ok().map(|now| now.to_string() == value)
-        }
-    }
 }
 
 fn items(ui: &mut Ui, menu: Menu, input: &Input, actions: &mut Actions) {
@@ -251,24 +223,26 @@ fn items(ui: &mut Ui, menu: Menu, input: &Input, actions: &mut Actions) {
 }
 
 fn all_items(ui: &mut Ui, menu: Menu, input: &Input, actions: &mut Actions) {
-    let listed = |command: &Command| command.info().menu == menu && command.is_listed(&input.granularities);
+    let listed = |command: &Command| command.entry().menu == menu && command.is_listed(&input.granularities);
     let mut commands: Vec<Command> = Command::ALL.iter().copied().filter(listed).collect();
     // What lies in one submenu stands together, where its first command does.
     let all = commands.clone();
+    let section = |command: &Command| command.entry().section;
+    let submenu = |command: &Command| command.entry().submenu;
     let first = |command: &Command| {
-        let is_with = |other: &Command| section(*other) == section(*command) && other.submenu() == command.submenu();
-        let of_submenu = command.submenu().and_then(|_| all.iter().position(is_with));
+        let is_with = |other: &Command| section(other) == section(command) && submenu(other) == submenu(command);
+        let of_submenu = submenu(command).and_then(|_| all.iter().position(is_with));
         of_submenu.or_else(|| all.iter().position(|other| other == command))
     };
-    commands.sort_by_key(|command| (all.iter().position(|other| section(*other) == section(*command)), first(command)));
-    for (index, group) in commands.chunk_by(|a, b| section(*a) == section(*b)).enumerate() {
+    commands.sort_by_key(|command| (all.iter().position(|other| section(other) == section(command)), first(command)));
+    for (index, group) in commands.chunk_by(|a, b| section(a) == section(b)).enumerate() {
         if index > 0 {
             ui.separator();
         }
-        for together in group.chunk_by(|a, b| a.submenu().is_some() && a.submenu() == b.submenu()) {
-            match together[0].submenu() {
-                Some(submenu) => {
-                    let (name, glyph) = submenu.info();
+        for together in group.chunk_by(|a, b| submenu(a).is_some() && submenu(a) == submenu(b)) {
+            match submenu(&together[0]) {
+                Some(within) => {
+                    let (name, glyph) = within.info();
                     let icon = widgets::icon(ui, glyph).color(ui.visuals().weak_text_color());
                     ui.menu_button((icon, name), |ui| {
                         together.iter().for_each(|command| item(ui, *command, input, actions));
@@ -278,49 +252,16 @@ fn all_items(ui: &mut Ui, menu: Menu, input: &Input, actions: &mut Actions) {
             }
             if together[0] == Command::Samples && !input.recent.is_empty() {
                 ui.menu_button((widgets::icon(ui, Icon::History), "Recent"), |ui| {
-                    open_dialog::recents(ui, input.recent, actions);
+                    recent::recents(ui, input.recent, actions);
                 });
             }
         }
     }
 }
 
-/// Commands of one section lie together in a menu.
-fn section(command: Command) -> u8 {
-    use Command as C;
-    match command {
-        C::SaveSession | C::ResetParameters => 1,
-        C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => 2,
-        C::ViridisColors | C::TurboColors => 2,
-        C::FittingArrows | C::TrueArrows | C::DoubleArrows | C::FourfoldArrows => 2,
-        C::NextLayer | C::Streaks | C::LockScale => 2,
-        _ if command.layer().is_some() => 2,
-        C::LargerInterface | C::SmallerInterface | C::NormalInterface => 2,
-        C::Quit
-        | C::ShowParameters
-        | C::ShowExplanation
-        | C::ShowCharts
-        | C::EnlargeChart
-        | C::NextChart
-        | C::NextPicture
-        | C::Landscape
-        | C::PreviousChart
-        | C::Lecture
-        | C::FullScreen => 3,
-        C::ResetLayout | C::ReducedMotion => 3,
-        C::Into | C::IntoBack | C::Over | C::OverBack | C::Out | C::OutBack => 5,
-        C::NextUnit | C::PreviousUnit | C::Start | C::End => 6,
-        C::NextMark | C::PreviousMark | C::NextAlike | C::PreviousAlike => 6,
-        C::Compare | C::Lockstep => 9,
-        C::Stop | C::Slower | C::Faster | C::Play | C::PlayBack => 7,
-        C::NextFrame | C::PreviousFrame => 8,
-        _ => 0,
-    }
-}
-
 fn item(ui: &mut Ui, command: Command, input: &Input, actions: &mut Actions) {
-    let face = command.info();
-    let glyph = match is_on(command, input) {
+    let face = command.entry();
+    let glyph = match command.is_on(&input.now) {
         Some(true) => Icon::Check,
         _ => face.icon,
     };

@@ -7,8 +7,7 @@ use lucide_icons::Icon;
 use motionscope_core::run::Direction;
 
 use crate::paint::Theme;
-use crate::ui::app::action::{Action, Actions};
-use crate::ui::app::commands::{Command, Granularities, Situation};
+use crate::ui::commands::{Action, Actions, Command, Granularities, Situation};
 use crate::ui::drawing::style;
 use crate::ui::model::player::{Player, SPEEDS};
 use crate::ui::model::snapshot::Snapshot;
@@ -110,7 +109,7 @@ fn button_name(command: Command, granularities: &Granularities) -> Option<String
 }
 
 fn step(ui: &mut Ui, command: Command, named: bool, input: &Input, actions: &mut Actions) {
-    let glyph = widgets::icon(ui, command.info().icon);
+    let glyph = widgets::icon(ui, command.entry().icon);
     let name = button_name(command, &input.granularities).filter(|_| named);
     let back = matches!(command, Command::IntoBack | Command::OverBack | Command::OutBack | Command::Start);
     let height = ui.spacing().interact_size.y * 1.25;

@@ -3,6 +3,7 @@
 pub mod arrows;
 pub mod entry_card;
 pub mod icon;
+pub mod recent;
 pub mod sample_card;
 pub mod slider;
 pub mod toasts;

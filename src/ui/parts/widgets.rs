@@ -121,6 +121,11 @@ pub fn below(rect: Rect, height: f32) -> Rect {
     Rect::from_min_max(egui::pos2(rect.min.x, rect.min.y + height), rect.max)
 }
 
+/// The text of a value that matters less.
+pub fn dim(ui: &Ui, text: impl Into<String>) -> RichText {
+    RichText::new(text).color(ui.visuals().weak_text_color())
+}
+
 #[cfg(test)]
 mod tests {
     use super::elide;

@@ -9,7 +9,7 @@ use motionscope_core::scene::{Measured, Picture, Role, Shape};
 use super::{Hovered, Input, Response, State, levels, lockstep, motion, pixels};
 use crate::paint::legend::{self, Entry, Sample};
 use crate::paint::{Face, FlowLayer, Look as SceneLook, Primitive, Share, Theme, View, number};
-use crate::ui::drawing::{ink, primitives};
+use crate::ui::drawing::{ink, primitives, style};
 use crate::ui::parts::widgets;
 use crate::view::look::Look;
 
@@ -104,16 +104,11 @@ fn name(view: View, input: &Input<'_>) -> String {
     }
 }
 
-/// Height of a line of small type.
-pub fn line_height(theme: Theme) -> f32 {
-    (theme.sizes().small * 1.7).round()
-}
-
 /// Shows the line below the pictures, the pixel under the pointer in numbers or what the marks mean; gives the role whose entry of the
 /// legend is pointed at.
 pub fn line(ui: &mut Ui, input: &Input<'_>, state: &mut State) -> Option<Role> {
     let (rect, response) =
-        ui.allocate_exact_size(vec2(ui.available_width(), line_height(input.theme())), Sense::hover());
+        ui.allocate_exact_size(vec2(ui.available_width(), style::line_height(input.theme())), Sense::hover());
     if let Some(hovered) = state.hovered {
         readout(ui, input, hovered, (rect, &response));
         return None;
@@ -128,7 +123,7 @@ pub fn line(ui: &mut Ui, input: &Input<'_>, state: &mut State) -> Option<Role> {
     shown.paint(ui, rect);
     let lit = response.hover_pos().and_then(|at| shown.pointed(at, rect));
     if let Some((_, place)) = lit {
-        let line = egui::Stroke::new(2.0, ink::color(input.theme().chrome().accent));
+        let line = egui::Stroke::new(2.0, style::color(input.theme().chrome().accent));
         ui.painter().hline(place.x_range(), place.max.y - 1.0, line);
     }
     lit.map(|(role, _)| role).or(folded(ui, &items, &shown, rect))
@@ -218,14 +213,14 @@ fn legend_items(input: &Input<'_>, look: &SceneLook, ui: &Ui, state: &State) -> 
 }
 
 fn text_width(ui: &Ui, text: &str, theme: Theme) -> f32 {
-    let font = ink::font(Face::Sans, theme.sizes().small);
+    let font = style::font(Face::Sans, theme.sizes().small);
     ui.painter().layout_no_wrap(text.into(), font, egui::Color32::PLACEHOLDER).size().x
 }
 
 impl Items {
     /// Where each item goes within `width`, and the number of lines.
     fn layout(&self, width: f32) -> (Vec<Pos2>, usize) {
-        let (mut at, mut line, height) = (0.0, 0usize, line_height(self.theme));
+        let (mut at, mut line, height) = (0.0, 0usize, style::line_height(self.theme));
         let place = |item: f32| {
             if at > 0.0 && (self.is_list || at + item > width) {
                 (at, line) = (0.0, line + 1);
@@ -241,7 +236,7 @@ impl Items {
     /// Those that fit in `room`, the colour scales before all, and how many are left; a list flows in lines where it has no room.
     fn fitting(&self, ui: &Ui, room: egui::Vec2) -> Items {
         let more = text_width(ui, "+88", self.theme) + 2.0 * GAP;
-        let lines = ((room.y / line_height(self.theme)) as usize).max(1);
+        let lines = ((room.y / style::line_height(self.theme)) as usize).max(1);
         let (widest, total) = self.column();
         if self.is_list && total <= lines && widest <= room.x {
             return self.clone();
@@ -261,7 +256,7 @@ impl Items {
     /// Whether all have room, the last of which is one of `hidden`, and `more` beside them unless it is the only one.
     fn fits(&self, width: f32, lines: usize, more: f32) -> bool {
         let (places, count) = self.layout(width);
-        let last = (count - 1) as f32 * line_height(self.theme);
+        let last = (count - 1) as f32 * style::line_height(self.theme);
         places.iter().zip(self.widths()).all(|(place, item)| {
             let is_beside = place.y == last && count == lines && self.hidden > 1;
             place.x + item <= width - if is_beside { more } else { 0.0 }
@@ -270,7 +265,7 @@ impl Items {
 
     /// Where the number of those that are left stands, of this `width`: behind the others in the last line of `rect`.
     fn place_of_more(&self, rect: Rect, width: f32) -> Rect {
-        let height = line_height(self.theme);
+        let height = style::line_height(self.theme);
         let lines = ((rect.height() / height) as usize).max(1);
         let (places, count) = self.layout(rect.width());
         let y = count.min(lines - 1) as f32 * height;
@@ -291,7 +286,7 @@ impl Items {
     /// Shows all below each other, and returns the role of the one that is pointed at.
     fn list(&self, ui: &mut Ui) -> Option<Role> {
         let (width, lines) = self.column();
-        let size = vec2(width, lines as f32 * line_height(self.theme));
+        let size = vec2(width, lines as f32 * style::line_height(self.theme));
         let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
         self.paint(ui, rect);
         response.hover_pos().and_then(|at| self.pointed(at, rect)).map(|(role, _)| role)
@@ -304,7 +299,7 @@ impl Items {
 
     /// The role of the entry at a place in `rect`, and where the entry stands, unless it tells of a layer of colours.
     fn pointed(&self, at: Pos2, rect: Rect) -> Option<(Role, Rect)> {
-        let height = line_height(self.theme);
+        let height = style::line_height(self.theme);
         let (places, _) = self.layout(rect.width());
         let rects = places.iter().zip(&self.entries).map(|(place, (entry, width))| {
             (entry, Rect::from_min_size(rect.min + place.to_vec2(), vec2(*width, height)))
@@ -316,9 +311,9 @@ impl Items {
 
     fn paint(&self, ui: &Ui, rect: Rect) {
         let places = self.layout(rect.width()).0;
-        let height = line_height(self.theme);
-        let text = ink::color(self.theme.chrome().text);
-        let font = ink::font(Face::Sans, self.theme.sizes().small);
+        let height = style::line_height(self.theme);
+        let text = style::color(self.theme.chrome().text);
+        let font = style::font(Face::Sans, self.theme.sizes().small);
         let painter = ui.painter();
         let word = |at: Pos2, words: &str| {
             painter.text(at + vec2(0.0, height / 2.0), Align2::LEFT_CENTER, words, font.clone(), text).width()
@@ -345,7 +340,7 @@ impl Items {
             word(pos2(colors.max.x + GAP, at.y), high);
         }
         if self.hidden > 0 {
-            let dim = ink::color(self.theme.chrome().dim);
+            let dim = style::color(self.theme.chrome().dim);
             let place = self.place_of_more(rect, text_width(ui, "+88", self.theme));
             painter.text(place.left_center(), Align2::LEFT_CENTER, format!("+{}", self.hidden), font.clone(), dim);
         }
@@ -355,9 +350,9 @@ impl Items {
 /// The pixel pointed at, in numbers.
 fn readout(ui: &Ui, input: &Input<'_>, hovered: Hovered, (rect, response): (Rect, &egui::Response)) {
     let chrome = input.theme().chrome();
-    let (text, dim) = (ink::color(chrome.text), ink::color(chrome.dim));
+    let (text, dim) = (style::color(chrome.text), style::color(chrome.dim));
     let size = input.theme().sizes().small;
-    let font = ink::font(Face::Sans, size);
+    let font = style::font(Face::Sans, size);
     let painter = ui.painter_at(rect);
     let columns = columns(&compared(input, hovered.on), hovered.pixel);
     ink::name(response, || columns.iter().map(|c| format!("{} {}", c.label, c.value)).collect::<Vec<_>>().join(", "));
@@ -477,7 +472,7 @@ mod tests {
             let entries: Vec<_> = [10.0, 10.0, 40.0, 10.0].into_iter().enumerate().map(entry).collect();
             let bar = legend::Bar::heat("cost", [0.0, 9.0], ColorMap::Viridis);
             let items = Items { entries, bars: vec![(bar, 10.0 * letter)], theme, hidden: 0, is_list };
-            let room = vec2(letters * letter, lines * line_height(theme) + 1.0);
+            let room = vec2(letters * letter, lines * style::line_height(theme) + 1.0);
             let shown = items.fitting(ui, room);
             let (places, count) = shown.layout(room.x);
             assert!(count as f32 <= lines.max(1.0), "{count} lines");

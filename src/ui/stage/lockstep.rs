@@ -6,10 +6,10 @@ use lucide_icons::Icon;
 use motionscope_core::run::{Pace, lockstep};
 use motionscope_core::scene::Sentence;
 
-use super::{Input, Lens, Response, bar};
+use super::{Input, Lens, Response};
 use crate::experiment::Experiment;
 use crate::paint::{Face, Theme, brevity};
-use crate::ui::app::commands::Command;
+use crate::ui::commands::Command;
 use crate::ui::drawing::{ink, style};
 use crate::ui::parts::widgets;
 use crate::view::tile::Tile;
@@ -63,7 +63,7 @@ fn paces(ui: &mut Ui, several: &Lockstep<'_>, response: &mut Response) {
 
 /// Height of what stands above a picture.
 pub fn header(theme: Theme) -> f32 {
-    6.0 + name_height(theme) + bar::line_height(theme)
+    6.0 + name_height(theme) + style::line_height(theme)
 }
 
 fn name_height(theme: Theme) -> f32 {
@@ -93,16 +93,16 @@ pub fn heading(ui: &Ui, input: &Input<'_>, index: usize, lens: &Lens, response: 
     }
     let painter = ui.painter_at(rect);
     let line = if is_explained {
-        Stroke::new(2.0, ink::color(chrome.accent))
+        Stroke::new(2.0, style::color(chrome.accent))
     } else {
-        Stroke::new(1.0, ink::color(chrome.line))
+        Stroke::new(1.0, style::color(chrome.line))
     };
     painter.hline(picture.x_range(), rect.min.y + 1.0, line);
     let middle = rect.min.y + 4.0 + name_height(theme) / 2.0;
-    let dim = ink::color(chrome.dim);
+    let dim = style::color(chrome.dim);
     let lay_out = |words: &str, font| painter.layout_no_wrap(words.into(), font, dim);
-    let bold = |share: f32| ink::font(Face::Bold, share * sizes.body);
-    let long = lay_out("done", ink::font(Face::Sans, sizes.small));
+    let bold = |share: f32| style::font(Face::Bold, share * sizes.body);
+    let long = lay_out("done", style::font(Face::Sans, sizes.small));
     let shown = tile.name(|name| lay_out(name, bold(SHARES[1])).size().x + 8.0 <= rect.width());
     let fits = |share: f32, done: f32| lay_out(shown, bold(share)).size().x + 8.0 + done <= rect.width();
     // Where a tile is narrow, its name is smaller, and a sign stands for the word.
@@ -112,7 +112,7 @@ pub fn heading(ui: &Ui, input: &Input<'_>, index: usize, lens: &Lens, response: 
     let room = rect.width() - if tile.is_done { 8.0 + done.size().x } else { 0.0 };
     let share = if is_narrow { SHARES.into_iter().find(|share| fits(*share, done.size().x)) } else { Some(1.0) };
     let font = bold(share.unwrap_or(SHARES[SHARES.len() - 1]));
-    let name = ink::Words { text: shown, font, color: ink::color(chrome.text) };
+    let name = ink::Words { text: shown, font, color: style::color(chrome.text) };
     let end = ink::line(&painter, pos2(rect.min.x, middle), name, room);
     if tile.is_done {
         painter.galley(pos2(end + 8.0, middle - done.size().y / 2.0), done, dim);
@@ -122,7 +122,7 @@ pub fn heading(ui: &Ui, input: &Input<'_>, index: usize, lens: &Lens, response: 
     let way = brevity(all, |words| lay_out(words, f32::INFINITY).size().x <= rect.width());
     if let Some(words) = tile.words.get(way).or(tile.words.last()).map(|words| lay_out(words, rect.width())) {
         let top = rect.min.y + 4.0 + name_height(theme);
-        painter.galley(pos2(rect.min.x, top), words, ink::color(chrome.text));
+        painter.galley(pos2(rect.min.x, top), words, style::color(chrome.text));
     }
 }
 
@@ -131,8 +131,8 @@ fn job(words: &Sentence, width: f32, theme: Theme) -> LayoutJob {
     let mut job = LayoutJob { wrap: TextWrapping::truncate_at_width(width), ..LayoutJob::default() };
     for (words, role) in words.words() {
         let color = role.map_or(theme.chrome().dim, |role| theme.word(role));
-        let font_id = ink::font(Face::Sans, theme.sizes().small);
-        job.append(&words, 0.0, TextFormat { font_id, color: ink::color(color), ..TextFormat::default() });
+        let font_id = style::font(Face::Sans, theme.sizes().small);
+        job.append(&words, 0.0, TextFormat { font_id, color: style::color(color), ..TextFormat::default() });
     }
     job
 }

@@ -29,14 +29,15 @@ use motionscope_core::scene::{Focus, Picture, Role, Scene, Step};
 
 pub use lens::{Lens, Zoom};
 pub use lockstep::Lockstep;
-pub use pen::{Hand, PenWish, Presenting};
+pub use pen::{Hand, Presenting};
 pub use placing::{Gesture, Placing};
 
 use crate::paint::charts::Orbit;
 use crate::paint::{self, Backdrop, Face, FreehandLine, Panel, Placement, Shown, Theme, View};
 use crate::ui::charts::surface3d::turn;
-use crate::ui::drawing::{ink, primitives};
-use crate::ui::panes::layout::{self, Panes};
+use crate::ui::commands::PenWish;
+use crate::ui::drawing::{primitives, style};
+use crate::ui::layout::{self, Panes};
 use crate::ui::parts::widgets;
 use crate::view::look::{Look, RunState};
 use crate::view::motion::AvailableLayers;
@@ -331,13 +332,13 @@ pub fn pictures(input: OnStage<'_>, theme: Theme, line: f32) -> layout::Pictures
         (false, View::Blink) => 1,
         (false, view) => view.panels(pictures).len().max(1),
     };
-    let header = if is_lockstep { lockstep::header(theme) } else { bar::line_height(theme) };
+    let header = if is_lockstep { lockstep::header(theme) } else { style::line_height(theme) };
     layout::Pictures { count, size: pictures.pair[0].size(), is_lockstep, header, line }
 }
 
 /// Height of the line below the pictures, with tools in rows of `interact_pt` or without any.
 pub fn line_height(theme: Theme, tools_pt: Option<f32>) -> f32 {
-    tools_pt.map_or(0.0, |height| height + 2.0).max(bar::line_height(theme))
+    tools_pt.map_or(0.0, |height| height + 2.0).max(style::line_height(theme))
 }
 
 /// Shows the pictures in their places, and below them in the whole of `ui` what they mean and what can be done with them.
@@ -484,7 +485,7 @@ fn panes(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Respo
     let spots = spots(ui, &panels, input, state);
     let chrome = input.theme().chrome();
     for spot in spots.iter().filter(|_| chrome.background != chrome.panel) {
-        ui.painter().rect_filled(spot.lens.pane, 0.0, ink::color(chrome.background));
+        ui.painter().rect_filled(spot.lens.pane, 0.0, style::color(chrome.background));
     }
     let members = spots.last().map_or(1, |spot| spot.member + 1);
     state.glides.resize_with(members, Glide::default);
@@ -689,10 +690,10 @@ fn join(ui: &Ui, spots: &[Spot<'_>], input: &Input<'_>, state: &mut State) {
 /// The name of a picture, above it; without that of its file where there is no room.
 fn caption(painter: &egui::Painter, shown: Shown, lens: &Lens, input: &Input<'_>) {
     let theme = input.theme();
-    let font = ink::font(Face::Sans, theme.sizes().small);
+    let font = style::font(Face::Sans, theme.sizes().small);
     let corner = lens.picture_rect().min.max(lens.pane.min).min(lens.pane.center());
-    let at = pos2(corner.x, corner.y - bar::line_height(theme) / 2.0);
-    let dim = ink::color(theme.chrome().dim);
+    let at = pos2(corner.x, corner.y - style::line_height(theme) / 2.0);
+    let dim = style::color(theme.chrome().dim);
     let lay_out = |is_whole| {
         let title = input.pictures.title(shown, Some(input.frame), is_whole);
         painter.layout_no_wrap(title, font.clone(), dim)

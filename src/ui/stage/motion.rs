@@ -12,8 +12,8 @@ use motionscope_core::scene;
 
 use super::{Input, Response, Spot, State, follow};
 use crate::paint::{Backdrop, Color, Face, FlowLayer, Theme, Tint, TintKey, legend, number};
-use crate::ui::app::commands::Command;
-use crate::ui::drawing::{ink, primitives};
+use crate::ui::commands::Command;
+use crate::ui::drawing::{ink, primitives, style};
 use crate::ui::parts::widgets;
 use crate::view::look::Look;
 
@@ -205,8 +205,8 @@ pub fn corner_wheel(painter: &egui::Painter, spot: &Spot<'_>, layer: &Tint, (the
     if seen.size().min_elem() < ROOM * CORNER_WHEEL {
         return;
     }
-    let font = ink::font(Face::Sans, theme.sizes().small);
-    let words = painter.layout_no_wrap(format!("{} px", number(longest)), font, ink::color(Color::WHITE));
+    let font = style::font(Face::Sans, theme.sizes().small);
+    let words = painter.layout_no_wrap(format!("{} px", number(longest)), font, style::color(Color::WHITE));
     let size = vec2(CORNER_WHEEL.max(words.size().x), CORNER_WHEEL + words.size().y) + vec2(12.0, 10.0);
     let at = |min: egui::Pos2| egui::Rect::from_min_size(min, size);
     let beside = [pos2(seen.min.x, seen.max.y + BESIDE), pos2(seen.max.x + BESIDE, seen.min.y)].map(at);
@@ -226,7 +226,7 @@ pub fn corner_wheel(painter: &egui::Painter, spot: &Spot<'_>, layer: &Tint, (the
     let center = pos2(rect.center().x, rect.min.y + 5.0 + CORNER_WHEEL / 2.0);
     painter.extend(primitives::shapes(painter, &legend::wheel(center.into(), CORNER_WHEEL / 2.0)));
     let below = pos2(rect.center().x - words.size().x / 2.0, center.y + CORNER_WHEEL / 2.0 + 2.0);
-    painter.galley(below, words, ink::color(Color::WHITE));
+    painter.galley(below, words, style::color(Color::WHITE));
 }
 
 /// How much of what lies under `rect` has the colours of motion, from 0 to 1, by a few of its pixels.
@@ -244,8 +244,8 @@ fn moving(spot: &Spot<'_>, layer: &Tint, rect: egui::Rect) -> f32 {
 
 /// The wheel, large enough to find a direction in it, with how far its rim is.
 fn wheel(ui: &mut Ui, input: &Input<'_>, longest: f32) {
-    let (text, dim) = (ink::color(input.theme().chrome().text), ink::color(input.theme().chrome().dim));
-    let font = ink::font(Face::Sans, input.theme().sizes().small);
+    let (text, dim) = (style::color(input.theme().chrome().text), style::color(input.theme().chrome().dim));
+    let font = style::font(Face::Sans, input.theme().sizes().small);
     let line = 1.4 * font.size;
     let (rect, response) =
         ui.allocate_exact_size(vec2(ui.available_width(), WHEEL + 2.0 * line + 8.0), egui::Sense::hover());

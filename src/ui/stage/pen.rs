@@ -5,9 +5,9 @@ use eframe::egui::{
 };
 use lucide_icons::Icon;
 
-use super::{Input, Response, Spot, State, bar};
+use super::{Input, Response, Spot, State};
 use crate::paint::{FreehandLine, Ground, PenColor, Placement, Theme, freehand};
-use crate::ui::app::commands::Command;
+use crate::ui::commands::{Command, PenWish};
 use crate::ui::drawing::{pen, primitives, style};
 use crate::ui::parts::widgets;
 
@@ -36,19 +36,6 @@ pub struct Presenting<'a> {
     pub has_loupe: bool,
     /// Whether the pictures stand alone, without the line above them.
     pub is_bare: bool,
-}
-
-/// What is asked of the pen on the line below the pictures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PenWish {
-    /// Another colour.
-    Color(PenColor),
-    /// Undo the last line.
-    Undo,
-    /// Remove all lines of the step.
-    Clear,
-    /// Lay the pen down.
-    Done,
 }
 
 /// Takes what the mouse draws on a picture; gives whether the pen is down on it.
@@ -115,7 +102,7 @@ pub fn cursor(
 
 /// The colours of the pen and what else can be done with it, on the line below the pictures.
 pub fn tools(ui: &mut Ui, input: &Input<'_>, color: PenColor, response: &mut Response) {
-    let size = vec2(ui.available_width(), bar::line_height(input.theme()));
+    let size = vec2(ui.available_width(), style::line_height(input.theme()));
     let mut ask = |is_asked: bool, wish: PenWish| response.pen = is_asked.then_some(wish).or(response.pen);
     ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
         for other in PenColor::ALL {
@@ -143,7 +130,7 @@ pub fn tools(ui: &mut Ui, input: &Input<'_>, color: PenColor, response: &mut Res
 
 /// A button with a colour of the pen; gives whether it is clicked.
 fn swatch(ui: &mut Ui, theme: Theme, (color, is_chosen): (PenColor, bool)) -> bool {
-    let side = bar::line_height(theme);
+    let side = style::line_height(theme);
     let (rect, sensed) = ui.allocate_exact_size(vec2(side, side), Sense::click());
     let name = format!("Pen colour: {}", color.id());
     sensed.widget_info(|| WidgetInfo::selected(eframe::egui::Role::Button, true, is_chosen, &name));

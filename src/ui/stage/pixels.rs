@@ -9,7 +9,7 @@ use motionscope_core::scene::{Mark, Shape};
 use super::Lens;
 use crate::paint::charts::on_gray;
 use crate::paint::{Face, Look, Panel, Pictures, Shown, number};
-use crate::ui::drawing::ink;
+use crate::ui::drawing::style;
 
 /// Points per pixel from which the grid is drawn.
 const GRID: f32 = 12.0;
@@ -93,7 +93,7 @@ pub fn costs<'a>(painter: &Painter, marks: impl Iterator<Item = &'a Mark>, lens:
     let Some([low, high]) = look.heat else { return };
     for costs in marks.filter_map(|mark| Costs::of(mark, lens)) {
         let Some(size) = costs.type_size(lens) else { continue };
-        let font = ink::font(Face::Sans, size);
+        let font = style::font(Face::Sans, size);
         for y in 0..costs.values.height() {
             for (x, value) in costs.values.row(y).iter().enumerate().filter(|(_, value)| value.is_finite()) {
                 let at = lens.to_screen([costs.origin[0] + x as f32, costs.origin[1] + y as f32]);
@@ -102,7 +102,7 @@ pub fn costs<'a>(painter: &Painter, marks: impl Iterator<Item = &'a Mark>, lens:
                 }
                 let color = look.colors.at((value - low) / (high - low).max(f32::MIN_POSITIVE));
                 let color = on_gray((255.0 * color.luminance().sqrt()) as u8);
-                painter.text(at, Align2::CENTER_CENTER, number(*value), font.clone(), ink::color(color));
+                painter.text(at, Align2::CENTER_CENTER, number(*value), font.clone(), style::color(color));
             }
         }
     }
@@ -121,7 +121,7 @@ pub fn numbers<'a>(
     let fraction = (FILLED * lens.scale / (DIGIT * FRACTION_DIGITS)).min(plain);
     let measured = if let Panel::Of(picture) = shown.panel { pictures.measured(picture) } else { None };
     let has_fractions = measured.is_some() && fraction >= LEAST_TYPE;
-    let font = ink::font(Face::Sans, if has_fractions { fraction } else { plain }.floor());
+    let font = style::font(Face::Sans, if has_fractions { fraction } else { plain }.floor());
     let marks: Vec<_> = marks.collect();
     let costs = marks.iter().filter(|mark| tells_costs(mark, lens)).filter_map(|mark| Costs::of(mark, lens));
     let costs: Vec<_> = costs.collect();
@@ -141,7 +141,7 @@ pub fn numbers<'a>(
                 (None, Some(measured)) => fixed(measured.at([x, y]).into(), usize::from(has_fractions)),
                 (None, None) => value.to_string(),
             };
-            painter.text(at, Align2::CENTER_CENTER, text, font.clone(), ink::color(on_gray(shade)));
+            painter.text(at, Align2::CENTER_CENTER, text, font.clone(), style::color(on_gray(shade)));
         }
     }
 }

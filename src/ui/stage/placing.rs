@@ -6,7 +6,7 @@ use eframe::egui::{
 use motionscope_core::params::{Figure, Placed, Spec, Spot};
 use motionscope_core::scene::{Picture, PictureRole};
 
-use super::{Input, Lens, Response, State, bar};
+use super::{Input, Lens, Response, State};
 use crate::paint::Theme;
 use crate::ui::drawing::style;
 
@@ -90,7 +90,7 @@ pub fn tools(ui: &mut Ui, input: &Input<'_>, response: &mut Response) {
             format!("Drag from corner to corner of the {what}, or move a corner. A right-click removes it.")
         }
     };
-    let size = vec2(ui.available_width(), bar::line_height(input.theme()));
+    let size = vec2(ui.available_width(), style::line_height(input.theme()));
     ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
         let done = ui.add(Button::new(RichText::new("Done").small()).small());
         done.widget_info(|| WidgetInfo::labeled(eframe::egui::Role::Button, true, format!("Done placing {what}")));

@@ -9,7 +9,7 @@ use motionscope_core::course::estimator;
 
 use super::{Keys, State, countdown};
 use crate::media::camera::Size;
-use crate::ui::app::action::{Action, Actions};
+use crate::ui::commands::{Action, Actions};
 use crate::ui::parts::widgets;
 
 /// The state of the camera, and the buttons that make recordings; returns whether the last recording is opened.

@@ -1,11 +1,11 @@
 //! The choice of the estimators that are compared.
 
+use crate::ui::commands::Actions;
 use eframe::egui::{Button, RichText, TextEdit, TextStyle, Ui, vec2};
 use motionscope_core::course::estimators;
 use motionscope_core::run::Info;
 
 use super::{MOST, State, step_by_step};
-use crate::ui::app::action::Actions;
 
 /// Chooses the estimators; returns whether they are to go in lockstep.
 pub fn choice(ui: &mut Ui, state: &mut State, actions: &mut Actions) -> bool {

@@ -12,8 +12,8 @@ use crate::experiment::comparison::{self, Row};
 use crate::media;
 use crate::media::export::{Inputs, Target};
 use crate::paint::Theme;
-use crate::ui::app::action::{Action, Actions, Browse};
-use crate::ui::dialogs::open;
+use crate::ui::commands::{Action, Actions, Browse};
+use crate::ui::dialogs::typed;
 use crate::ui::model::background::Background;
 use crate::ui::model::document::Document;
 use crate::view::rendering::Format;
@@ -95,7 +95,7 @@ pub fn file_of(is_swept: bool) -> String {
 /// What the path asks for: the table, or the plot of the column that is shown.
 fn encoded(rows: &[Arc<Row>], state: &State, (document, theme): (&Document, Theme)) -> Result<PendingFile, Error> {
     let message = || Error::new("enter a path that ends in .svg, .png, .pdf or .csv");
-    let path = open::parse(&state.file.text).map(PathBuf::from).ok_or_else(message)?;
+    let path = typed::parse(&state.file.text).map(PathBuf::from).ok_or_else(message)?;
     let inputs = document.prepared_alone().map(|prepared| prepared.inputs).unwrap_or_default();
     let is_table = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
     let content = if is_table {

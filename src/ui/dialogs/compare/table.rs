@@ -8,7 +8,7 @@ use egui_extras::{Column as Width, TableBuilder, TableRow};
 use super::State;
 use crate::experiment::comparison::{self, Column, Row};
 use crate::paint::Theme;
-use crate::ui::app::action::{Action, Actions};
+use crate::ui::commands::{Action, Actions};
 use crate::ui::drawing::style;
 use crate::ui::panes::glossary;
 

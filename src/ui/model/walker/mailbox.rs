@@ -11,7 +11,7 @@ use motionscope_core::scene::Focus;
 
 use super::Marks;
 use crate::experiment::Prepared;
-use crate::ui::app::action::Side;
+use crate::ui::commands::Side;
 use crate::ui::model::preview::stopped;
 use crate::ui::model::snapshot::{Job, Snapshot};
 use crate::view::look::Look;

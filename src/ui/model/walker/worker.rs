@@ -18,7 +18,7 @@ use crate::experiment::interest::{first_step, opening};
 use crate::experiment::pixel::{Held, is_explained, place_of, walks_pixels};
 use crate::experiment::{Experiment, Prepared};
 use crate::paint::FlowLayer;
-use crate::ui::app::action::Side;
+use crate::ui::commands::Side;
 use crate::ui::model::preview::preview;
 use crate::ui::model::snapshot::{Hold, Job, Near, Place, Pointed, Snapshot, event_of};
 use crate::view::look::Look;

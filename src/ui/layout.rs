@@ -17,8 +17,6 @@
 use eframe::egui::{Rect, Vec2, pos2, vec2};
 use serde::{Deserialize, Serialize};
 
-use super::explanation::StripRoom;
-
 /// A pane that can be folded away.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pane {
@@ -109,6 +107,21 @@ pub struct Pictures {
     pub header: f32,
     /// Height of the line below all of them, in points.
     pub line: f32,
+}
+
+/// The room of the strip.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StripRoom {
+    /// Whether it is read in the last row: rather shortened than small.
+    pub is_presented: bool,
+    /// The most height that it can have, in points.
+    pub most: f32,
+    /// Its type, in points.
+    pub type_pt: f32,
+    /// Whether its parts stand below each other.
+    pub is_column: bool,
+    /// Whether a chart has the place of the formula.
+    pub is_sentence_alone: bool,
 }
 
 /// The page of a lesson.

@@ -10,15 +10,12 @@ use motionscope_core::run::{Cursor, Pace};
 use motionscope_core::scene::Focus;
 use motionscope_core::synth::Sample;
 
+use super::{Command, Order};
 use crate::experiment::comparison::Row;
 use crate::media::camera::Kept;
-use crate::paint::FreehandLine;
+use crate::paint::{FreehandLine, PenColor};
 use crate::search::Target;
 use crate::session::lesson::Address;
-use crate::ui::app::commands::Command;
-use crate::ui::model::document::Owner;
-use crate::ui::model::writer::Order;
-use crate::ui::stage::PenWish;
 
 /// The purpose of a system file dialog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,6 +41,30 @@ pub enum Side {
     Start,
     /// The end, with its result.
     End,
+}
+
+/// Which set of parameters one belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Owner {
+    /// The estimator.
+    Estimator,
+    /// The estimator in lockstep with it that has this index.
+    Beside(usize),
+    /// The synthetic clip.
+    Difficulty,
+}
+
+/// What is asked of the pen on the line below the pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PenWish {
+    /// Another colour.
+    Color(PenColor),
+    /// Undo the last line.
+    Undo,
+    /// Remove all lines of the step.
+    Clear,
+    /// Lay the pen down.
+    Done,
 }
 
 /// An action.
