@@ -11,11 +11,12 @@ use imports::{Imports, Layers};
 const LAYERS: &Layers =
     &[&["media"], &["paint"], &["experiment"], &["view"], &["results"], &["session"], &["search"], &["ui"], &["cli"]];
 
-/// Those whose files take nothing from each other in a circle.
-const WITHOUT_CIRCLES: &Layers = &[&["cli", "results", "session"]];
+/// Those whose files and folders take nothing from each other in a circle. No layer has circles of files.
+const WITHOUT_CIRCLES: &Layers =
+    &[&["paint"], &["experiment"], &["view"], &["results"], &["session"], &["search"], &["ui"], &["cli"]];
 
 #[test]
-fn no_import_of_the_app_runs_back_up() {
+fn no_import_of_the_app_runs_back_up_or_in_a_circle() {
     let imports = Imports::below(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"));
     assert!(imports.count() > 800, "only {} imports were read", imports.count());
     let faults = [imports.faults(LAYERS), imports.circles(WITHOUT_CIRCLES)].concat();

@@ -78,11 +78,26 @@ fn rooms_side_by_side_and_circles_are_reported() {
     let told =
         ["low/a.rs:1: low/a → low/b (B) is part of a circle", "low/b.rs:2: low/b → low/a (A) is part of a circle"];
     assert_eq!(faults(&circle), told);
-    // Files of one room may know each other.
-    let room =
-        [("low/a/mod.rs", "mod x;\nmod y;"), ("low/a/x.rs", "use super::y::Y;"), ("low/a/y.rs", "use super::x::X;")];
-    assert_eq!(faults(&room), Vec::<String>::new());
     assert_eq!(faults(&[("attic.rs", "")]), ["attic.rs: belongs to no layer"]);
+}
+
+#[test]
+fn circles_of_files_inside_a_room_are_reported() {
+    let room = [
+        ("low/a/mod.rs", "mod x;\nmod y;\nmod z;"),
+        ("low/a/x.rs", "use super::y::Y;\npub struct X;"),
+        ("low/a/y.rs", "\nuse super::z::Z;\npub struct Y;"),
+        ("low/a/z.rs", "pub struct Z;\nfn of() -> super::x::X {}"),
+    ];
+    let told = [
+        "low/a/x.rs:1: low/a/x → low/a/y (Y) is part of a circle",
+        "low/a/y.rs:2: low/a/y → low/a/z (Z) is part of a circle",
+        "low/a/z.rs:2: low/a/z → low/a/x (X) is part of a circle",
+    ];
+    assert_eq!(faults(&room), told);
+    // A file and those in the folder of its name are one.
+    let family = [("low/a.rs", "mod x;\nuse x::X;\npub struct A;"), ("low/a/x.rs", "use super::A;\npub struct X;")];
+    assert_eq!(faults(&family), Vec::<String>::new());
 }
 
 #[test]

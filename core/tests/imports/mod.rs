@@ -74,12 +74,20 @@ impl Imports {
         faults
     }
 
-    /// The circles among the rooms of these layers: their files and folders. A line for each import that closes one. What
-    /// the files of one room take from each other is their own affair.
+    /// The circles among files, and among the rooms of these layers: their files and folders. A line for each import that closes
+    /// one. A file and the folder of its own name are one: they may take from each other.
     pub fn circles(&self, layers: &Layers) -> Vec<String> {
         let mut arrows = self.arrows();
-        arrows.retain(|arrow| layers.iter().any(|row| row.contains(&arrow.from[0].as_str())));
-        circles(&arrows)
+        // Between layers an import that closes a circle runs back up.
+        arrows.retain(|arrow| arrow.from[0] == arrow.to[0]);
+        let is_inside = |a: &Module, b: &Module| a.starts_with(b) || b.starts_with(a);
+        let files = arrows.iter().filter(|arrow| !is_inside(&arrow.from, &arrow.to));
+        let files = files.map(|arrow| (arrow.from.join("/"), arrow.to.join("/"), arrow));
+        let room = |module: &Module| (module.len() > 1).then(|| module[..2].join("/"));
+        let rooms = arrows.iter().filter(|arrow| layers.iter().any(|row| row.contains(&arrow.from[0].as_str())));
+        let rooms = rooms.filter_map(|arrow| Some((room(&arrow.from)?, room(&arrow.to)?, arrow)));
+        let faults: BTreeSet<String> = circles(files).into_iter().chain(circles(rooms)).collect();
+        faults.into_iter().collect()
     }
 
     /// How many imports there are from file to file.
@@ -137,14 +145,11 @@ impl Imports {
     }
 }
 
-fn circles(arrows: &[Arrow]) -> Vec<String> {
-    let room = |module: &Module| (module.len() > 1).then(|| module[..2].join("/"));
+/// The arrows that are part of a circle, as sentences.
+fn circles<'a>(arrows: impl Iterator<Item = (String, String, &'a Arrow)>) -> Vec<String> {
     let mut edges: BTreeMap<String, BTreeMap<String, &Arrow>> = BTreeMap::new();
-    for arrow in arrows {
-        let (Some(from), Some(to)) = (room(&arrow.from), room(&arrow.to)) else { continue };
-        if from != to && arrow.from[0] == arrow.to[0] {
-            edges.entry(from).or_default().entry(to).or_insert(arrow);
-        }
+    for (from, to, arrow) in arrows.filter(|(from, to, _)| from != to) {
+        edges.entry(from).or_default().entry(to).or_insert(arrow);
     }
     let reached = |start: &String| {
         let (mut seen, mut open) = (BTreeSet::new(), vec![start]);

@@ -10,11 +10,12 @@ use eframe::egui::ViewportCommand;
 use motionscope_core::base::Error;
 use motionscope_core::course::estimator;
 
+use super::App;
+use super::dialogs::Overlay;
 use crate::experiment::Prepared;
 use crate::experiment::source::Source;
 use crate::media::camera::{Cameras, Closing, Ffmpeg, Kept, is_unsaved};
 use crate::paint::Freehand;
-use crate::ui::app::window::{App, Overlay};
 use crate::ui::commands::{ClipFormat, Command};
 use crate::ui::dialogs::camera::State;
 use crate::ui::model::live::LiveView;
@@ -125,7 +126,7 @@ impl App {
 
     /// The state of the camera, if it is open.
     pub fn live(&self) -> Option<LiveView> {
-        match &self.overlay {
+        match &self.dialogs.overlay {
             Overlay::Camera(state) => state.view(),
             _ => None,
         }
@@ -133,12 +134,12 @@ impl App {
 
     /// Shows the camera.
     pub(super) fn open_camera(&mut self) {
-        self.player.pause();
+        self.run.player.pause();
         let name = format!("camera-{}", self.recorder.count + 1);
         let last = self.recorder.last.as_ref().map(|kept| kept.path().to_owned());
         let cameras = (Arc::clone(&self.recorder.cameras), self.recorder.closing.clone());
         let state = State::new(cameras, (name, last), self.settings.camera.clone(), &self.ctx);
-        self.overlay = Overlay::Camera(Box::new(state));
+        self.dialogs.overlay = Overlay::Camera(Box::new(state));
     }
 
     /// Opens a recording with the estimator `id`, or with the present one.
@@ -150,7 +151,7 @@ impl App {
         let told = if is_last { self.recorder.saved.told() } else { Saved::default().told() };
         let said = format!("{} frames{rate}, {told}{early}", kept.frames());
         self.load(kept.path().into());
-        if let Some(loading) = &mut self.loading {
+        if let Some(loading) = &mut self.opening.loading {
             loading.description = Some(said);
         }
         self.recorder.count += 1;
@@ -165,20 +166,20 @@ impl App {
             self.recorder.saved = Saved::default();
         }
         self.recorder.last = Some(kept);
-        let now = self.document.estimator().info();
+        let now = self.run.document.estimator().info();
         let Some(chosen) = id.filter(|id| *id != now.id).and_then(|id| estimator(id).ok()) else { return };
-        let was_single = self.shows_frame_alone();
+        let was_single = self.run.shows_frame_alone();
         // Layers belong to a family.
         if now.family != chosen.info().family {
             self.settings.look.layer = None;
         }
-        self.document.choose(chosen);
+        self.run.document.choose(chosen);
         self.suit_view(was_single);
     }
 
     /// Whether the clip that is open is a recording that was not saved.
     pub(super) fn is_unsaved(&self) -> bool {
-        matches!(self.document.source(), Some(Source::File(path)) if is_unsaved(path))
+        matches!(self.run.document.source(), Some(Source::File(path)) if is_unsaved(path))
     }
 
     /// Says that nothing can refer to the recording yet, until it is saved or another clip is open.
@@ -191,7 +192,7 @@ impl App {
     /// opened in its place, if that recording is still open and no other clip is being opened.
     pub(super) fn clip_saved(&mut self) {
         let Some(Saving { from, to: path, is_lossless }) = self.recorder.saving.take() else { return };
-        let is_open = matches!(self.document.source(), Some(Source::File(open)) if *open == from);
+        let is_open = matches!(self.run.document.source(), Some(Source::File(open)) if *open == from);
         if let Some(frames) = self.recorder.last.as_ref().filter(|last| last.path() == from).map(|last| last.frames()) {
             let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
             self.recorder.saved = match std::mem::take(&mut self.recorder.saved) {
@@ -204,11 +205,13 @@ impl App {
                 self.toasts.describe(Some(told));
             }
         }
-        if let Some(shown) = self.view.shown.as_deref().filter(|_| is_lossless && is_open && self.loading.is_none()) {
+        if let Some(shown) =
+            self.run.view.shown.as_deref().filter(|_| is_lossless && is_open && self.opening.loading.is_none())
+        {
             self.recorder.ink = Some((path.clone(), self.presentation.pen.freehand(&shown.subject)));
             let clip = std::path::absolute(&path).unwrap_or_else(|_| path.clone());
             let (frame, step) = (shown.subject.experiment.frame, shown.cursor.to_string());
-            let run = super::files::run_of(&*shown.subject.experiment.estimator);
+            let run = LeftAt::run_of(&*shown.subject.experiment.estimator);
             self.settings.leave(LeftAt { clip: clip.display().to_string(), run, frame, step });
             self.load(path.into());
         }
@@ -235,7 +238,7 @@ impl App {
             ),
             Saved::Whole(_) => return None,
         };
-        let is_open = matches!(self.document.source(), Some(Source::File(open)) if open == last.path());
+        let is_open = matches!(self.run.document.source(), Some(Source::File(open)) if open == last.path());
         let first = if is_open {
             String::new()
         } else {

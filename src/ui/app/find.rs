@@ -2,8 +2,9 @@
 
 use motionscope_core::course::estimator;
 
+use super::App;
+use super::dialogs::Overlay;
 use crate::search::{Target, is_same_parameter};
-use crate::ui::app::window::{App, Overlay};
 use crate::ui::commands::Action;
 use crate::ui::dialogs::terms;
 use crate::ui::layout;
@@ -13,7 +14,7 @@ impl App {
     /// Opens a hit.
     pub(super) fn show_found(&mut self, target: Target) {
         match target {
-            Target::Term(term) => self.overlay = Overlay::Glossary(terms::State::asking(term.name)),
+            Target::Term(term) => self.dialogs.overlay = Overlay::Glossary(terms::State::asking(term.name)),
             Target::Estimator(id) => self.act(Action::Choose(id)),
             Target::Page(address) => self.act(Action::OpenPage(address)),
             Target::Parameter(id, name) => self.show_parameter(id, name),
@@ -26,12 +27,12 @@ impl App {
     fn show_parameter(&mut self, id: &'static str, name: &str) {
         if !self.has_parameter(id, name) {
             self.act(Action::Choose(id));
-        } else if self.start.is_some() {
+        } else if self.dialogs.start.is_some() {
             self.leave_start();
         }
-        let info = self.document.estimator().info();
-        if self.document.estimator().specs().iter().any(|spec| spec.name == name && spec.advanced) {
-            self.states.parameters.unfold(info.id);
+        let info = self.run.document.estimator().info();
+        if self.run.document.estimator().specs().iter().any(|spec| spec.name == name && spec.advanced) {
+            self.panes.states.parameters.unfold(info.id);
         }
         if self.folded().parameters {
             self.settings.toggle(layout::Pane::Parameters);
@@ -41,14 +42,14 @@ impl App {
     /// Whether the present estimator shares the parameter `name` of the estimator `id`.
     fn has_parameter(&self, id: &str, name: &str) -> bool {
         let Ok(of) = estimator(id) else { return false };
-        let mut present = self.document.estimator().specs().iter();
+        let mut present = self.run.document.estimator().specs().iter();
         let sought = of.specs().iter().find(|spec| spec.name == name);
         sought.is_some_and(|sought| present.any(|spec| is_same_parameter(spec, sought)))
     }
 
     /// Shows a chart, or says when there is one.
     fn show_chart(&mut self, pane: &'static Pane) {
-        if self.start.is_some() {
+        if self.dialogs.start.is_some() {
             self.leave_start();
         }
         let all = self.charts();
@@ -58,9 +59,9 @@ impl App {
         if self.folded().charts {
             self.settings.toggle(layout::Pane::Charts);
         }
-        let count = self.arranged.charts.len().max(1);
+        let count = self.panes.arranged.charts.len().max(1);
         let seen = self.settings.charts.seen(&all, count);
         self.settings.charts.choose(0, pane, &seen);
-        self.settings.charts.is_preferred |= self.arranged.alternates;
+        self.settings.charts.is_preferred |= self.panes.arranged.alternates;
     }
 }

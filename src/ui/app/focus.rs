@@ -8,7 +8,7 @@ use eframe::egui::{
     Context, Event, FocusDirection, Id, Key, Modifiers, Order, Painter, Popup, Rect, Stroke, StrokeKind, WidgetRect,
 };
 
-use super::window::Region;
+use super::Region;
 use crate::paint::Theme;
 use crate::ui::drawing::style;
 

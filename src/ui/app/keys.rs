@@ -126,7 +126,7 @@ impl Escape {
 }
 
 /// What is typed behind the key that opens a field, before that is there.
-struct Opening {
+struct TypeAhead {
     command: Command,
     /// The letter of that key, until it is typed: it is no part of the text.
     own: &'static str,
@@ -135,7 +135,7 @@ struct Opening {
     is_entered: bool,
 }
 
-impl Opening {
+impl TypeAhead {
     /// The field that `command` opens, called by `key`, if it opens one that waits for text.
     fn of(command: Command, key: Key) -> Option<Self> {
         matches!(command, Command::Palette | Command::SearchText | Command::Estimators | Command::Open).then(|| Self {
@@ -228,7 +228,7 @@ pub fn take(ctx: &egui::Context, overlaid: bool, now: &Situation, actions: &mut 
         actions.ask(Action::Open(name));
     }
     if overlaid || ctx.text_edit_focused() {
-        let opening = ctx.input_mut(|input| Opening::behind_escape(&mut input.events));
+        let opening = ctx.input_mut(|input| TypeAhead::behind_escape(&mut input.events));
         if let Some(opening) = opening {
             actions.command(opening.command);
             opening.ask(actions);
@@ -236,7 +236,7 @@ pub fn take(ctx: &egui::Context, overlaid: bool, now: &Situation, actions: &mut 
         return;
     }
     let popup = Popup::is_any_open(ctx);
-    let (mut moved, mut opening, mut escaped) = (false, None::<Opening>, false);
+    let (mut moved, mut opening, mut escaped) = (false, None::<TypeAhead>, false);
     ctx.input_mut(|input| {
         input.events.retain(|event| match event {
             _ if opening.is_some() => opening.as_mut().is_none_or(|opening| opening.take(event)),
@@ -280,7 +280,7 @@ pub fn take(ctx: &egui::Context, overlaid: bool, now: &Situation, actions: &mut 
                 }
                 moved |= matches!(key, Key::ArrowLeft | Key::ArrowRight);
                 if command.enabled(now) {
-                    opening = Opening::of(command, *key);
+                    opening = TypeAhead::of(command, *key);
                     actions.command(command);
                 } else if command.why_disabled(now).is_some() {
                     actions.command(command);
@@ -400,15 +400,18 @@ mod tests {
         let palette = key(Key::K, eframe::egui::Modifiers::COMMAND);
         let typed = || vec![palette.clone(), key(Key::M, Default::default()), Event::Text("m".into())];
         let mut events = [vec![key(Key::Escape, Default::default())], typed()].concat();
-        let opening = Opening::behind_escape(&mut events).expect("it opens");
+        let opening = TypeAhead::behind_escape(&mut events).expect("it opens");
         assert!(opening.command == Command::Palette && opening.typed == "m" && events.len() == 1);
         let mut events = typed();
-        assert!(Opening::behind_escape(&mut events).is_none() && events.len() == 3, "a field in focus keeps its keys");
+        assert!(
+            TypeAhead::behind_escape(&mut events).is_none() && events.len() == 3,
+            "a field in focus keeps its keys"
+        );
     }
 
     #[test]
     fn what_is_typed_behind_the_key_that_opens_a_field_goes_into_it() {
-        let mut opening = Opening::of(Command::Palette, Key::K).unwrap();
+        let mut opening = TypeAhead::of(Command::Palette, Key::K).unwrap();
         let key = |key, pressed| Event::Key {
             key,
             physical_key: None,
@@ -427,8 +430,8 @@ mod tests {
         assert!(events.iter().all(|event| !opening.take(event)));
         assert!(opening.take(&Event::PointerGone));
         assert!(opening.typed == "py" && opening.is_entered);
-        assert!(Opening::of(Command::Play, Key::Space).is_none());
-        let mut opening = Opening::of(Command::Estimators, Key::A).expect("a field");
+        assert!(TypeAhead::of(Command::Play, Key::Space).is_none());
+        let mut opening = TypeAhead::of(Command::Estimators, Key::A).expect("a field");
         for text in ["a", "a", "d"] {
             opening.take(&Event::Text(text.into()));
         }

@@ -6,81 +6,44 @@ use std::sync::Arc;
 use eframe::egui::{Rect, Ui};
 use motionscope_core::run::{Cursor, Direction, Move};
 
+use super::dialogs::Overlay;
+use super::{App, Region};
 use crate::session::lesson::{Address, page_text};
-use crate::ui::app::window::{App, Overlay, Region};
 use crate::ui::commands::{Actions, Command};
 use crate::ui::model::lesson::OpenLesson;
 use crate::ui::model::paper::OfPage;
 use crate::ui::model::snapshot::Snapshot;
-use crate::ui::model::trail::Left;
+use crate::ui::model::trail::{Left, Trail};
 use crate::ui::panes::glossary::Beside;
 use crate::ui::panes::lesson;
 
-impl App {
-    /// Opens a page of a lesson, with its clip and its step, so that there is a way back to the page that is open.
-    pub(super) fn open_page(&mut self, address: Address) {
-        let left = self.left_page().filter(|left| left.address != address);
-        self.open_page_at(address, None, left);
-    }
+/// The lesson that is open, and the way back.
+#[derive(Default)]
+pub(super) struct Course {
+    pub lesson: Option<OpenLesson>,
+    /// The pages that links led away from.
+    pub trail: Trail,
+}
 
-    /// Opens a page at one of its steps, or where it begins; once it opens, `left` is on the way back.
-    fn open_page_at(&mut self, address: Address, at: Option<Cursor>, left: Option<Left>) {
-        // What a page of the lesson before has set is not how the person looks at pictures.
-        let look = self.lesson.as_ref().map_or(self.settings.look, |open| open.without_page(self.settings.look));
-        let ctx = self.ctx.clone();
-        let (name, file) = (address.name(), address.file().map(Path::to_path_buf));
-        match OpenLesson::new(address, look, move || ctx.request_repaint()) {
-            Ok(open) => {
-                left.into_iter().for_each(|left| self.trail.leave(left));
-                match open.address().file() {
-                    Some(path) => self.settings.remember(path),
-                    None => self.settings.remember_page(open.address()),
-                }
-                self.start = None;
-                self.close_lesson();
-                self.overlay = Overlay::None;
-                self.settings.fold_parameters();
-                self.lesson = Some(open);
-                self.show_page(at);
-            }
-            Err(error) => {
-                if let Some(file) = &file
-                    && self.ask_for_trust(file, &name, &error)
-                {
-                    return;
-                }
-                match &mut self.overlay {
-                    Overlay::Open(state) => state.refuse(&error),
-                    _ => self.error = Some(error),
-                }
-            }
-        }
-    }
-
-    /// Notes the page that is open, where another run has been opened beside it.
-    pub(super) fn note_page(&mut self) {
-        let left = self.left_page();
-        left.into_iter().for_each(|left| self.trail.leave(left));
-    }
-
+impl Course {
     /// The page that is open, and its step.
-    fn left_page(&self) -> Option<Left> {
+    fn left_page(&self, shown: Option<&Snapshot>) -> Option<Left> {
         let open = self.lesson.as_ref()?;
         let session = open.page().session.as_ref().ok();
         let is_of_page = |shown: &&Snapshot| session.is_some_and(|of| shown.subject.experiment == of.experiment);
-        let cursor = self.view.shown.as_deref().filter(is_of_page).map(|shown| shown.cursor);
+        let cursor = shown.filter(is_of_page).map(|shown| shown.cursor);
         let title = format!("{}, page {}", open.lesson().title, open.address().page + 1);
         Some(Left { address: open.address().clone(), cursor, title })
     }
 
-    /// Returns to the page that was left last, at its step.
-    pub(super) fn back_to_page(&mut self) {
-        let Some(Left { address, cursor, .. }) = self.trail.back() else { return };
-        self.open_page_at(address, cursor, None);
+    /// Notes the page that is open, where another run than that of its step has been opened beside it.
+    pub fn note_page(&mut self, shown: Option<&Snapshot>) {
+        let left = self.left_page(shown);
+        left.into_iter().for_each(|left| self.trail.leave(left));
     }
 
     /// The page of the lesson that is open, if the run that is `shown` is its own.
-    pub(super) fn printed_page(&self, shown: &Snapshot) -> Option<OfPage> {
+    pub fn printed_page(&self, shown: &Snapshot) -> Option<OfPage> {
         let open = self.lesson.as_ref()?;
         let page = open.page();
         let session = page.session.as_ref().ok()?;
@@ -89,12 +52,81 @@ impl App {
         page.words.as_ref().ok().filter(|_| is_own).map(|prose| OfPage { title, prose: prose.clone() })
     }
 
+    /// The first step of the page.
+    fn first_of_page(&self) -> Option<Cursor> {
+        let session = self.lesson.as_ref()?.page().session.as_ref().ok()?;
+        Some(session.position.cursor.unwrap_or_default())
+    }
+
+    /// The last step of the page, where its run is shown.
+    pub fn end_of_page(&self, shown: Option<&Snapshot>) -> Option<Cursor> {
+        let open = self.lesson.as_ref()?;
+        let session = open.page().session.as_ref().ok()?;
+        shown.filter(|shown| shown.subject.experiment == session.experiment)?;
+        open.page().until
+    }
+
+    /// The title of the page that the next step turns to, if it turns one.
+    pub fn coming_page(&self, cursor: Cursor) -> Option<String> {
+        let open = self.lesson.as_ref()?;
+        let is_last = open.is_at(Direction::Forward) || !open.is_through(cursor, Direction::Forward);
+        (!is_last).then(|| open.lesson().pages[open.address().page + 1].title.clone())
+    }
+}
+
+impl App {
+    /// Opens a page of a lesson, with its clip and its step, so that there is a way back to the page that is open.
+    pub(super) fn open_page(&mut self, address: Address) {
+        let left = self.course.left_page(self.run.view.shown.as_deref()).filter(|left| left.address != address);
+        self.open_page_at(address, None, left);
+    }
+
+    /// Opens a page at one of its steps, or where it begins; once it opens, `left` is on the way back.
+    fn open_page_at(&mut self, address: Address, at: Option<Cursor>, left: Option<Left>) {
+        // What a page of the lesson before has set is not how the person looks at pictures.
+        let look = self.course.lesson.as_ref().map_or(self.settings.look, |open| open.without_page(self.settings.look));
+        let ctx = self.ctx.clone();
+        let (name, file) = (address.name(), address.file().map(Path::to_path_buf));
+        match OpenLesson::new(address, look, move || ctx.request_repaint()) {
+            Ok(open) => {
+                left.into_iter().for_each(|left| self.course.trail.leave(left));
+                match open.address().file() {
+                    Some(path) => self.settings.remember(path),
+                    None => self.settings.remember_page(open.address()),
+                }
+                self.dialogs.start = None;
+                self.close_lesson();
+                self.dialogs.overlay = Overlay::None;
+                self.settings.fold_parameters();
+                self.course.lesson = Some(open);
+                self.show_page(at);
+            }
+            Err(error) => {
+                if let Some(file) = &file
+                    && self.ask_for_trust(file, &name, &error)
+                {
+                    return;
+                }
+                match &mut self.dialogs.overlay {
+                    Overlay::Open(state) => state.refuse(&error),
+                    _ => self.opening.error = Some(error),
+                }
+            }
+        }
+    }
+
+    /// Returns to the page that was left last, at its step.
+    pub(super) fn back_to_page(&mut self) {
+        let Some(Left { address, cursor, .. }) = self.course.trail.back() else { return };
+        self.open_page_at(address, cursor, None);
+    }
+
     /// Closes the lesson; pictures look as they did without its page.
     pub(super) fn close_lesson(&mut self) {
-        if let Some(open) = self.lesson.take() {
+        if let Some(open) = self.course.lesson.take() {
             // An open question is taken back without its answer.
-            self.predict.withdraw().into_iter().for_each(|cursor| self.walker.go(Move::To(cursor)));
-            self.predict.turn_for_page(false);
+            self.run.predict.withdraw().into_iter().for_each(|cursor| self.run.walker.go(Move::To(cursor)));
+            self.run.predict.turn_for_page(false);
             self.settings.look = open.without_page(self.settings.look);
         }
     }
@@ -108,7 +140,7 @@ impl App {
     pub(super) fn turns_page(&mut self, command: Command) -> bool {
         // The parameters may have the place of the page.
         let is_seen = self.regions().iter().any(|(region, _)| *region == Region::Lesson);
-        let Some(open) = &mut self.lesson else { return false };
+        let Some(open) = &mut self.course.lesson else { return false };
         // The offer of the next lesson ends with whatever else is done.
         open.is_over &= matches!(command, Command::Into | Command::NextUnit);
         let open = &*open;
@@ -128,20 +160,20 @@ impl App {
                 return true;
             }
             // Another run that was opened beside the page is stepped through itself.
-            let shown = self.view.shown.as_deref();
+            let shown = self.run.view.shown.as_deref();
             let Some(shown) = shown.filter(|shown| shown.subject.experiment == session.experiment) else {
                 return false;
             };
             let has_left = open.has_left(shown);
             let is_through = open.is_through(shown.cursor, way) || way == Direction::Forward && shown.at_end;
             // Words are read to their end before the first step is taken, and again from there on the way back.
-            if !has_left && !is_over && is_seen && self.states.lesson.read(way) {
+            if !has_left && !is_over && is_seen && self.panes.states.lesson.read(way) {
                 return true;
             }
             if !is_through {
                 return false;
             }
-        } else if is_step && is_seen && self.states.lesson.read(way) {
+        } else if is_step && is_seen && self.panes.states.lesson.read(way) {
             return true;
         }
         match open.is_at(way) {
@@ -160,7 +192,7 @@ impl App {
 
     /// Says that the last page is through; the next step opens the lesson that follows.
     fn end_lesson(&mut self) {
-        let Some(open) = &mut self.lesson else { return };
+        let Some(open) = &mut self.course.lesson else { return };
         match open.next() {
             Some(next) if open.is_over => self.open_page(Address::from(next)),
             _ => open.is_over = true,
@@ -169,7 +201,7 @@ impl App {
 
     /// Turns the page; by a step back it is entered at its last step.
     fn turn_to(&mut self, way: Direction, is_step: bool) {
-        let Some(open) = &mut self.lesson else { return };
+        let Some(open) = &mut self.course.lesson else { return };
         self.settings.look = open.without_page(self.settings.look);
         open.turn(way);
         if open.address().file().is_none() {
@@ -184,8 +216,8 @@ impl App {
         if self.is_unsaved() {
             return self.refuse_unsaved();
         }
-        let Some(shown) = self.view.shown.as_deref() else { return };
-        let file = self.lesson.as_ref().and_then(|open| open.address().file());
+        let Some(shown) = self.run.view.shown.as_deref() else { return };
+        let file = self.course.lesson.as_ref().and_then(|open| open.address().file());
         let folder = file.and_then(Path::parent).unwrap_or(Path::new("."));
         match page_text(&self.session(shown), folder) {
             Ok(text) => {
@@ -196,59 +228,51 @@ impl App {
         }
     }
 
-    /// The last step of the page, where its run is shown.
-    pub(super) fn end_of_page(&self) -> Option<Cursor> {
-        let open = self.lesson.as_ref()?;
-        let session = open.page().session.as_ref().ok()?;
-        self.view.shown.as_deref().filter(|shown| shown.subject.experiment == session.experiment)?;
-        open.page().until
-    }
-
     /// Goes back to the first step of a page that stands at its last one, to play it again; gives whether it does.
     pub(super) fn replays_page(&mut self) -> bool {
-        let at = self.view.shown.as_deref().map(|shown| shown.cursor);
-        let Some(first) = self.end_of_page().filter(|end| at == Some(*end)).and_then(|_| self.first_of_page()) else {
+        let at = self.run.view.shown.as_deref().map(|shown| shown.cursor);
+        let Some(first) = self
+            .course
+            .end_of_page(self.run.view.shown.as_deref())
+            .filter(|end| at == Some(*end))
+            .and_then(|_| self.course.first_of_page())
+        else {
             return false;
         };
-        self.walker.go(Move::To(first));
+        self.run.walker.go(Move::To(first));
         true
-    }
-
-    fn first_of_page(&self) -> Option<Cursor> {
-        let session = self.lesson.as_ref()?.page().session.as_ref().ok()?;
-        Some(session.position.cursor.unwrap_or_default())
     }
 
     /// Shows the step of the page, or its step `at`.
     fn show_page(&mut self, at: Option<Cursor>) {
-        let Some(open) = &mut self.lesson else { return };
+        let Some(open) = &mut self.course.lesson else { return };
         let Ok(mut session) = open.page().session.clone() else { return };
-        self.states.stage.forget_large();
+        self.panes.states.stage.forget_large();
         let name = open.address().name();
-        self.player.pause();
-        self.predict.turn_for_page(open.page().predicts);
+        self.run.player.pause();
+        self.run.predict.turn_for_page(open.page().predicts);
         let cursor = at.or(session.position.cursor).unwrap_or_default();
         session.position.cursor = Some(cursor);
         open.lands_at(cursor);
-        let now = self.document.experiment();
-        let is_of_clip = self.document.clip().is_some() && session.experiment.has_clip_of(now);
+        let now = self.run.document.experiment();
+        let is_of_clip = self.run.document.clip().is_some() && session.experiment.has_clip_of(now);
         if !is_of_clip {
             self.load(name);
-        } else if session.experiment == *now && session.position.held.is_none() && self.view.refused.is_none() {
+        } else if session.experiment == *now && session.position.held.is_none() && self.run.view.refused.is_none() {
             self.look_as(&session.look, session.sight);
-            self.loading = None;
-            self.walker.release();
-            self.walker.go(Move::To(cursor));
+            self.opening.loading = None;
+            self.run.walker.release();
+            self.run.walker.go(Move::To(cursor));
         } else {
-            self.loading = None;
+            self.opening.loading = None;
             self.take(session);
         }
     }
 
     /// Notes that the step of the page is there, and reads a lesson anew that is being written.
     pub(super) fn follow_lesson(&mut self) {
-        let is_there = self.loading.is_none() && !self.view.busy;
-        let Some(open) = &mut self.lesson else { return };
+        let is_there = self.opening.loading.is_none() && !self.run.view.busy;
+        let Some(open) = &mut self.course.lesson else { return };
         if is_there {
             open.arrive();
         }
@@ -268,16 +292,16 @@ impl App {
 
     /// Shows the page of the lesson in its place.
     pub(super) fn lesson_page(&mut self, ui: &mut Ui, page: Rect, actions: &mut Actions) {
-        let Some(open) = &mut self.lesson else { return };
+        let Some(open) = &mut self.course.lesson else { return };
         let theme = self.settings.look.theme;
-        let back = self.trail.last().map(|left| left.title.as_str());
-        let shown = self.view.shown.clone();
+        let back = self.course.trail.last().map(|left| left.title.as_str());
+        let shown = self.run.view.shown.clone();
         let scene = shown.as_ref().map(|shown| Arc::clone(&shown.scene)).unwrap_or_default();
         let beside = Beside::new(&scene, shown.as_ref().map_or("", |shown| shown.info.family), theme);
         let is_presented = self.presentation.is_on;
         let input = lesson::Input { open, theme, back, beside: &beside, is_presented };
-        self.states.lesson.has_notes_elsewhere = self.presentation.presenter.is_some();
-        lesson::show(ui, page, input, &mut self.states.lesson, actions);
-        self.states.stage.point_out(beside.pointed());
+        self.panes.states.lesson.has_notes_elsewhere = self.presentation.presenter.is_some();
+        lesson::show(ui, page, input, &mut self.panes.states.lesson, actions);
+        self.panes.states.stage.point_out(beside.pointed());
     }
 }

@@ -7,18 +7,18 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use eframe::egui::{
-    self, CentralPanel, Frame, Id, LayerId, Margin, Order, Panel, Rect, Stroke, Ui, ViewportBuilder, ViewportClass,
+    self, CentralPanel, Frame, Id, LayerId, Margin, Order, Panel, Stroke, Ui, ViewportBuilder, ViewportClass,
     ViewportCommand, ViewportId,
 };
 use motionscope_core::base::Error;
 use motionscope_core::run::{Cursor, Direction};
 use motionscope_core::scene::Role;
 
+use super::App;
 use crate::experiment::Prepared;
 use crate::paint::{Color, Freehand, FreehandLine};
 use crate::ui::app::keys;
-use crate::ui::app::window::{App, Overlay, Region};
-use crate::ui::commands::{Actions, Command, PenWish};
+use crate::ui::commands::{Actions, PenWish};
 use crate::ui::drawing::style;
 use crate::ui::model::pen::Pen;
 use crate::ui::model::snapshot::Snapshot;
@@ -66,6 +66,12 @@ pub struct Presenter {
 }
 
 impl Presentation {
+    /// Takes the large pointer instead of the pen, or puts it away.
+    pub(super) fn toggle_pointer(&mut self) {
+        self.is_pointing = !self.is_pointing;
+        self.pen.is_on = false;
+    }
+
     /// How the stage is presented.
     pub fn presented(&self) -> Presented<'_> {
         let hand = match (self.pen.is_on, self.is_pointing) {
@@ -78,40 +84,20 @@ impl Presentation {
 }
 
 impl App {
-    /// Executes a command of presenting.
-    pub(super) fn present(&mut self, command: Command) {
-        match command {
-            Command::Pointer => {
-                self.presentation.is_pointing = !self.presentation.is_pointing;
-                self.presentation.pen.is_on = false;
-            }
-            Command::Blank => {
-                self.presentation.is_blank = !self.presentation.is_blank;
-                self.player.pause();
-            }
-            Command::Loupe => self.presentation.has_loupe = !self.presentation.has_loupe,
-            Command::Pen => self.take_pen(),
-            Command::NextPenColor => self.pen(PenWish::Color(self.presentation.pen.color.next())),
-            Command::ClearInk => self.pen(PenWish::Clear),
-            Command::PresenterWindow => self.toggle_presenter(),
-            _ => self.toggle_full_screen(),
-        }
-    }
-
     /// Takes the pen, or lays it down.
-    fn take_pen(&mut self) {
+    pub(super) fn take_pen(&mut self) {
         let pen = &mut self.presentation.pen;
         pen.is_on = !pen.is_on;
         if pen.is_on {
             self.presentation.is_pointing = false;
-            self.states.stage.placing = None;
+            self.panes.states.stage.placing = None;
             // The ink of a step goes with it.
-            self.player.pause();
+            self.run.player.pause();
         }
     }
 
     /// Shows stage, chart and caption alone, or everything again.
-    fn toggle_full_screen(&mut self) {
+    pub(super) fn toggle_full_screen(&mut self) {
         let is_on = !self.presentation.is_on;
         (self.presentation.is_on, self.presentation.is_blank) = (is_on, false);
         self.ctx.send_viewport_cmd(ViewportCommand::Fullscreen(is_on));
@@ -120,32 +106,23 @@ impl App {
             // What only introduces the window is nothing for a class.
             self.toasts.end_introductions();
             // While results are asked about, digits count hands.
-            let digits = if self.predict.is_on() { "" } else { "1 to 5 choose the chart. " };
+            let digits = if self.run.predict.is_on() { "" } else { "1 to 5 choose the chart. " };
             if !std::mem::replace(&mut self.presentation.has_hinted, true) {
                 self.toasts.hint(format!("{digits}Esc shows the menus again."));
             }
         }
     }
 
-    /// Shows the chart with this index of those of the step.
-    pub(super) fn choose_chart(&mut self, index: usize) {
-        let all = self.charts();
-        let Some(pane) = all.get(index) else { return };
-        let seen = self.settings.charts.seen(&all, 1);
-        self.settings.charts.choose(0, pane, &seen);
-        self.settings.charts.is_preferred |= self.arranged.alternates;
-    }
-
     /// Adds a line to the step on which it was drawn.
     pub(super) fn draw(&mut self, line: FreehandLine) {
-        if let Some(shown) = &self.view.shown {
+        if let Some(shown) = &self.run.view.shown {
             self.presentation.pen.draw(&shown.subject, line);
         }
     }
 
     /// Does what is asked of the pen.
     pub(super) fn pen(&mut self, wish: PenWish) {
-        let Some(shown) = &self.view.shown else { return };
+        let Some(shown) = &self.run.view.shown else { return };
         let (pen, subject, at) = (&mut self.presentation.pen, &shown.subject, shown.cursor);
         match wish {
             PenWish::Color(color) => pen.color = color,
@@ -156,30 +133,28 @@ impl App {
     }
 
     /// Undoes or redoes the last change of the ink of this step.
-    pub(super) fn undo_ink(&mut self, command: Command) {
-        let Some(shown) = &self.view.shown else { return };
-        match command {
-            Command::Redo => self.presentation.pen.redo(&shown.subject, shown.cursor),
-            _ => self.presentation.pen.undo(&shown.subject, shown.cursor),
-        }
+    pub(super) fn undo_ink(&mut self, redoes: bool) {
+        let Some(shown) = &self.run.view.shown else { return };
+        let (pen, subject, at) = (&mut self.presentation.pen, &shown.subject, shown.cursor);
+        if redoes { pen.redo(subject, at) } else { pen.undo(subject, at) }
     }
 
     /// What was drawn by hand on the step that is shown.
     pub fn ink(&self) -> &[FreehandLine] {
-        let shown = self.view.shown.as_deref();
+        let shown = self.run.view.shown.as_deref();
         shown.map_or(&[], |shown| self.presentation.pen.lines(&shown.subject, shown.cursor))
     }
 
     /// Whether ink of this step can be undone and redone, while the pen is on.
     pub(super) fn ink_history(&self) -> Option<[bool; 2]> {
-        let shown = self.view.shown.as_deref().filter(|_| self.presentation.pen.is_on)?;
+        let shown = self.run.view.shown.as_deref().filter(|_| self.presentation.pen.is_on)?;
         Some(self.presentation.pen.history(&shown.subject, shown.cursor))
     }
 
     /// Takes over the ink of a session, if it has some. On a page of a lesson what was drawn or cleared since stays.
     pub(super) fn restore_ink(&mut self, subject: &Arc<Prepared>, freehand: Freehand) {
         let pen = &mut self.presentation.pen;
-        match self.lesson {
+        match self.course.lesson {
             _ if freehand.lines.is_empty() => {}
             Some(_) => pen.complete(subject, freehand),
             None => pen.restore(subject, freehand),
@@ -188,7 +163,7 @@ impl App {
 
     /// The step that is shown, with what was drawn on it.
     pub(super) fn inked(&self) -> Option<Arc<Snapshot>> {
-        let shown = self.view.shown.as_ref()?;
+        let shown = self.run.view.shown.as_ref()?;
         let lines = self.ink();
         if lines.is_empty() {
             return Some(Arc::clone(shown));
@@ -200,7 +175,7 @@ impl App {
     /// A thin line at the bottom that tells how far the run is.
     pub(super) fn progress_line(&self, ui: &mut Ui) {
         let chrome = self.settings.look.theme.chrome();
-        let share = self.view.shown.as_deref().and_then(Snapshot::share).unwrap_or(0.0);
+        let share = self.run.view.shown.as_deref().and_then(Snapshot::share).unwrap_or(0.0);
         Panel::bottom("progress").frame(Frame::new()).exact_size(PROGRESS_PT).show(ui, |ui| {
             let rect = ui.max_rect();
             ui.painter().rect_filled(rect, 0.0, style::color(chrome.raised));
@@ -212,7 +187,7 @@ impl App {
     /// Draws the large pointer over stage, charts and words.
     pub(super) fn show_pointer(&self, ctx: &egui::Context) {
         let at = ctx.input(|input| input.pointer.latest_pos()).filter(|_| self.presentation.is_pointing);
-        let Some(at) = at.filter(|at| self.shown_regions().any(|rect| rect.contains(*at))) else { return };
+        let Some(at) = at.filter(|at| self.panes.shown_regions().any(|rect| rect.contains(*at))) else { return };
         let theme = self.settings.look.theme;
         let (ink, size) = (theme.ink(Role::Error), theme.sizes().body);
         let painter = ctx.layer_painter(LayerId::new(Order::Tooltip, Id::unique("pointer")));
@@ -232,13 +207,7 @@ impl App {
         }
     }
 
-    /// Where the class looks.
-    fn shown_regions(&self) -> impl Iterator<Item = Rect> {
-        let of = [Region::Stage, Region::Chart, Region::Strip, Region::Explanation, Region::Lesson];
-        self.regions().iter().filter(move |(region, _)| of.contains(region)).map(|(_, rect)| *rect)
-    }
-
-    fn toggle_presenter(&mut self) {
+    pub(super) fn toggle_presenter(&mut self) {
         if self.presentation.presenter.take().is_some() {
             return;
         }
@@ -254,15 +223,15 @@ impl App {
         let Some(open) = &self.presentation.presenter else { return };
         let elapsed = open.since.elapsed();
         let input = presenter::Input {
-            document: &self.document,
-            lesson: self.lesson.as_ref(),
-            shown: self.view.shown.as_deref(),
+            document: &self.run.document,
+            lesson: self.course.lesson.as_ref(),
+            shown: self.run.view.shown.as_deref(),
             coming: self.coming(&open.upcoming),
-            predict: &self.predict,
+            predict: &self.run.predict,
             minutes: elapsed.as_secs() / MINUTE.as_secs(),
             theme: self.settings.look.theme,
         };
-        let overlaid = !matches!(self.overlay, Overlay::None);
+        let overlaid = self.dialogs.is_covered();
         let builder = ViewportBuilder::default().with_title("Motionscope – presenter").with_inner_size(WINDOW);
         let response = ctx.show_viewport_immediate(viewport(), builder, |ui, class| {
             // The time goes on once a minute, and nothing else moves by itself.
@@ -287,25 +256,18 @@ impl App {
 
     /// What comes after the step that is shown; it is asked for where the run stands still.
     fn coming(&self, upcoming: &Upcoming) -> Coming {
-        let Some(shown) = self.view.shown.as_deref() else { return Coming::Awaited };
-        if let Some(title) = self.coming_page(shown.cursor) {
+        let Some(shown) = self.run.view.shown.as_deref() else { return Coming::Awaited };
+        if let Some(title) = self.course.coming_page(shown.cursor) {
             return Coming::Page(title);
         }
         if shown.at_end {
             return Coming::End;
         }
-        if self.player.is_playing() || self.view.busy {
+        if self.run.player.is_playing() || self.run.view.busy {
             return upcoming.after(shown).map_or(Coming::Awaited, found);
         }
         upcoming.ask(shown);
         upcoming.after(shown).map_or(Coming::Awaited, found)
-    }
-
-    /// The title of the page that the next step turns to, if it turns one.
-    fn coming_page(&self, cursor: Cursor) -> Option<String> {
-        let open = self.lesson.as_ref()?;
-        let is_last = open.is_at(Direction::Forward) || !open.is_through(cursor, Direction::Forward);
-        (!is_last).then(|| open.lesson().pages[open.address().page + 1].title.clone())
     }
 
     /// Waits for the next step, for tests.

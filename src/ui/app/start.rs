@@ -3,8 +3,8 @@
 use eframe::egui::Ui;
 use motionscope_core::synth;
 
+use super::App;
 use crate::experiment::first;
-use crate::ui::app::window::App;
 use crate::ui::commands::Actions;
 use crate::ui::panes::start;
 
@@ -19,27 +19,27 @@ impl App {
 
     /// Whether the start page is shown.
     pub fn is_at_start(&self) -> bool {
-        self.start.is_some()
+        self.dialogs.start.is_some()
     }
 
     /// Shows the start page.
     fn open_start(&mut self) {
-        self.player.pause();
-        self.start = Some(start::State::new(&self.ctx, &self.settings.recent));
+        self.run.player.pause();
+        self.dialogs.start = Some(start::State::new(&self.ctx, &self.settings.recent));
     }
 
     /// Leaves the start page for the work: what was open, or else the first sample.
     pub fn leave_start(&mut self) {
-        self.start = None;
-        self.loading = None;
-        if self.document.clip().is_none() {
+        self.dialogs.start = None;
+        self.opening.loading = None;
+        if self.run.document.clip().is_none() {
             self.open_first();
         }
     }
 
     /// Shows the start page, or leaves it.
     pub(super) fn toggle_start(&mut self) {
-        match self.start {
+        match self.dialogs.start {
             Some(_) => self.leave_start(),
             None => self.open_start(),
         }
@@ -54,16 +54,16 @@ impl App {
     /// Draws the page.
     pub(super) fn start_page(&mut self, ui: &mut Ui, actions: &mut Actions) {
         let input = start::Input {
-            loading: self.loading.as_ref(),
-            error: self.error.as_ref(),
-            asks_for_trust: self.asks_for_trust(),
-            is_covered: self.is_covered(),
+            loading: self.opening.loading.as_ref(),
+            error: self.opening.error.as_ref(),
+            asks_for_trust: self.opening.asks_for_trust(),
+            is_covered: self.dialogs.is_covered(),
             is_shown_at_start: self.settings.has_start_page,
             plays: !self.settings.reduced_motion,
             theme: self.settings.look.theme,
         };
-        if let Some(state) = &mut self.start {
-            start::show(ui, state, &mut self.previews, &input, actions);
+        if let Some(state) = &mut self.dialogs.start {
+            start::show(ui, state, &mut self.dialogs.previews, &input, actions);
         }
     }
 }
