@@ -2,7 +2,7 @@
 
 use std::f32::consts::TAU;
 
-use motionscope_core::Role;
+use motionscope_core::scene::Role;
 
 use super::{Color, Theme};
 

@@ -1,6 +1,7 @@
 //! The encoding of a rendering as a file: the stage alone, or a sheet of panes.
 
-use motionscope_core::{Error, Grid};
+use motionscope_core::base::Error;
+use motionscope_core::geometry::Grid;
 
 use super::look::CaptionWords;
 use super::rendering::{Around, Format, Rendering};

@@ -6,7 +6,6 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 use motionscope_core::base::Error;
-use motionscope_core::geometry::Grid;
 use motionscope_core::params::{Kind, Spec, Value};
 use motionscope_core::run::AnyEstimator;
 use motionscope_core::scene::{Readout, Sentence};

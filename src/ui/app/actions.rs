@@ -1,6 +1,6 @@
 //! What actions do.
 
-use motionscope_core::Move;
+use motionscope_core::run::Move;
 
 use super::App;
 use super::dialogs::Overlay;

@@ -1,8 +1,8 @@
 //! Where the panes lie, and which of them and of the charts are seen.
 
 use eframe::egui::{self, Rect};
-use motionscope_core::Step;
 use motionscope_core::scene::Chart;
+use motionscope_core::scene::Step;
 
 use super::{App, Region};
 use crate::paint::Theme;

@@ -1,7 +1,7 @@
 //! What commands do.
 
 use eframe::egui::ViewportCommand;
-use motionscope_core::{Cursor, Direction, Move, stage};
+use motionscope_core::run::{Cursor, Direction, Move, stage};
 
 use super::App;
 use super::dialogs::Overlay;

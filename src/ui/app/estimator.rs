@@ -1,7 +1,9 @@
 //! Choosing the estimator and its parameters, and walking through its stages.
 
-use motionscope_core::compare::changed_alike;
-use motionscope_core::{Cursor, capital, estimator};
+use motionscope_core::base::words::capital;
+use motionscope_core::course::compare::changed_alike;
+use motionscope_core::course::estimator;
+use motionscope_core::run::Cursor;
 
 use super::App;
 use crate::experiment::{told_of_unplaced, unplaced};

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use motionscope_core::Error;
+use motionscope_core::base::Error;
 
 use super::App;
 use super::camera::Saving;

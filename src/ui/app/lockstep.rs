@@ -1,7 +1,9 @@
 //! Several estimators in lockstep: which of them, and leaving it.
 
-use motionscope_core::compare::changed_alike;
-use motionscope_core::{AnyEstimator, Cursor, Error, estimator};
+use motionscope_core::base::Error;
+use motionscope_core::course::compare::changed_alike;
+use motionscope_core::course::estimator;
+use motionscope_core::run::{AnyEstimator, Cursor};
 
 use super::App;
 use crate::experiment::comparison::Row;

@@ -1,6 +1,7 @@
 //! How pictures and the interface look.
 
-use motionscope_core::{Error, Params};
+use motionscope_core::base::Error;
+use motionscope_core::params::Params;
 
 use super::App;
 use crate::paint::{FlowLayer, Theme};

@@ -24,7 +24,8 @@ mod situation;
 mod start;
 
 use eframe::egui;
-use motionscope_core::{Error, Role};
+use motionscope_core::base::Error;
+use motionscope_core::scene::Role;
 
 use crate::ui::drawing::style;
 use crate::ui::layout::Folded;

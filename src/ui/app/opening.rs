@@ -6,9 +6,11 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::Instant;
 
 use eframe::egui::ViewportCommand;
-use motionscope_core::examples::{self, Example};
+use motionscope_core::base::Error;
+use motionscope_core::course::examples::{self, Example};
+use motionscope_core::data::Clip;
+use motionscope_core::run::{Cursor, Info};
 use motionscope_core::synth::Sample;
-use motionscope_core::{Clip, Cursor, Error, Info};
 
 use super::App;
 use super::dialogs::Overlay;

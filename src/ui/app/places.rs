@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use motionscope_core::Cursor;
+use motionscope_core::run::Cursor;
 
 use super::App;
 use crate::ui::model::settings::LeftAt;

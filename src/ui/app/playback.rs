@@ -1,7 +1,7 @@
 //! Playing: what happens as time passes.
 
 use eframe::egui;
-use motionscope_core::{Cursor, Direction, Move};
+use motionscope_core::run::{Cursor, Direction, Move};
 
 use super::App;
 use super::run::order;

@@ -1,9 +1,8 @@
 //! Predict, then reveal: what commands, keys and clicks do while a question is open.
 
 use eframe::egui::{Rect, Ui, UiBuilder, vec2};
-use motionscope_core::run::Move;
+use motionscope_core::run::{Direction, Move};
 use motionscope_core::scene::Focus;
-use motionscope_core::{Direction, Move};
 
 use super::App;
 use crate::ui::commands::{Actions, Command, Entry, Menu};

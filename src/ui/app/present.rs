@@ -11,7 +11,6 @@ use eframe::egui::{
     ViewportCommand, ViewportId,
 };
 use motionscope_core::base::Error;
-use motionscope_core::run::{Cursor, Direction};
 use motionscope_core::scene::Role;
 
 use super::App;

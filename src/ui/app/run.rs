@@ -1,6 +1,9 @@
 //! The run that is open, and how one is started.
 
-use motionscope_core::{Clip, Cursor, Direction, Error, Move, estimator};
+use motionscope_core::base::Error;
+use motionscope_core::course::estimator;
+use motionscope_core::data::Clip;
+use motionscope_core::run::{Cursor, Direction, Move};
 
 use super::App;
 use crate::experiment::side_by_side::SideBySide;

@@ -1,6 +1,6 @@
 //! What is the case in the window, as far as commands care.
 
-use motionscope_core::Direction;
+use motionscope_core::run::Direction;
 
 use super::{App, Region};
 use crate::experiment::source::Source;
@@ -27,7 +27,7 @@ impl App {
             has_pictures: self.run.document.clip().is_some_and(|clip| !clip.is_blank())
                 && matches!(self.run.document.source(), Some(Source::File(_) | Source::Pair(_))),
             has_run: shown.is_some() && self.run.refused().is_none(),
-            at_start: shown.is_none_or(|shown| shown.cursor == motionscope_core::Cursor::default()),
+            at_start: shown.is_none_or(|shown| shown.cursor == motionscope_core::run::Cursor::default()),
             at_end: shown.is_some_and(|shown| shown.at_end),
             busy: self.run.view.busy,
             checking: self.run.view.checking,
@@ -44,7 +44,7 @@ impl App {
                 && self.panes.regions.iter().all(|(region, _)| *region != Region::Stage),
             can_be_larger: self.can_be_larger(),
             in_lockstep: !self.run.document.side_by_side().is_empty(),
-            has_stage: !motionscope_core::stage::stages(self.run.document.estimator()).is_empty(),
+            has_stage: !motionscope_core::run::stage::stages(self.run.document.estimator()).is_empty(),
             in_stage: self.run.document.parents().len() > 0,
             is_placing: self.panes.states.stage.placing.is_some(),
             holds_pixel: shown.and_then(|shown| shown.pointed).is_some_and(|pointed| pointed.is_held),

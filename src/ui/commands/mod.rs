@@ -12,7 +12,8 @@ mod table;
 
 use eframe::egui::KeyboardShortcut;
 use lucide_icons::Icon;
-use motionscope_core::{Direction, Params};
+use motionscope_core::params::Params;
+use motionscope_core::run::Direction;
 
 pub use action::{Action, Actions, Browse, Owner, PenWish, Side};
 pub use granularities::Granularities;

@@ -2,7 +2,7 @@
 
 use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 use lucide_icons::Icon;
-use motionscope_core::Direction;
+use motionscope_core::run::Direction;
 
 use super::{Entry, Menu, Situation, Submenu};
 use crate::paint::{ColorMap, FlowLayer, FocusMode, Theme, View};

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use eframe::egui::Vec2;
-use motionscope_core::AnyEstimator;
+use motionscope_core::run::AnyEstimator;
 use serde::{Deserialize, Serialize};
 
 use super::chosen_charts::ChosenCharts;

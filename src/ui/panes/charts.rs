@@ -5,7 +5,6 @@ use lucide_icons::Icon;
 use motionscope_core::base::words::capital;
 use motionscope_core::run::Cursor;
 use motionscope_core::scene::Readout;
-use serde::{Deserialize, Serialize};
 
 use super::Panes;
 use super::glossary::{self, Beside};

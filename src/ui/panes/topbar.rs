@@ -2,7 +2,6 @@
 
 use eframe::egui::{self, Align, Button, Layout, MenuBar, RichText, TextStyle, Ui};
 use lucide_icons::Icon;
-use motionscope_core::params::Params;
 
 use crate::paint::Theme;
 use crate::ui::commands::{Actions, Command, Granularities, Menu, Situation};
