@@ -68,7 +68,7 @@ impl Aligner<'_> {
 
     /// Compares the template with the warped `image`. The Hessian of the pixels inside is `all`, that of all pixels, without those
     /// outside, which are few.
-    pub fn compare(&self, all: &[f64], image: &Grid<f32>, warp: &Matrix3) -> Compared {
+    pub(crate) fn compare(&self, all: &[f64], image: &Grid<f32>, warp: &Matrix3) -> Compared {
         let (count, coordinates) = (self.model.freedom(), self.coordinates());
         let (mut right, mut squares, mut inside) = (vec![0.0; count], 0.0, 0usize);
         let mut outside = vec![0.0; count * count];
@@ -88,7 +88,7 @@ impl Aligner<'_> {
     }
 
     /// Solves for the increment; `None` if the Hessian is singular.
-    pub fn increment(&self, Compared { hessian, right, .. }: &Compared) -> Option<Increment> {
+    pub(crate) fn increment(&self, Compared { hessian, right, .. }: &Compared) -> Option<Increment> {
         let parameters = solve(hessian, right)?;
         let matrix = self.coordinates().in_px(&warp_of(self.model, &parameters));
         Some(Increment { moved_px: moved_px(&matrix, self.template.size()), parameters, matrix })

@@ -56,12 +56,12 @@ impl Edges {
     }
 
     /// The force ∇f.
-    pub fn force(&self) -> Force {
+    pub(crate) fn force(&self) -> Force {
         Force { values: gradient(&self.strength) }
     }
 
     /// A force at a place, interpolated bilinearly.
-    pub fn force_at(&self, force: &Force, at: Point) -> Point {
+    pub(crate) fn force_at(&self, force: &Force, at: Point) -> Point {
         let (values, [x, y]) = (&force.values, self.within(at));
         let (x0, y0) = (x as usize, y as usize);
         let (x1, y1) = ((x0 + 1).min(values.width() - 1), (y0 + 1).min(values.height() - 1));

@@ -314,7 +314,7 @@ pub(crate) fn surroundings(frame: &Frame, binning: Binning, region: Region) -> V
 #[derive(Clone, Debug)]
 pub struct Histogram {
     /// The bins.
-    pub binning: Binning,
+    pub(crate) binning: Binning,
     /// The share of each bin.
     pub shares: Vec<f32>,
     /// The bins with a share, in ascending order.
