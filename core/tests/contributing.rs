@@ -10,4 +10,8 @@ fn the_worked_examples_are_those_that_compile() {
         let code = code.replace("\r\n", "\n");
         assert!(page.contains(&format!("```rust\n{code}```\n")), "CONTRIBUTING.md shows another {name}.rs");
     }
+    let (_, example) = page.split_once("```toml\n").expect("it shows an example");
+    let (example, _) = example.split_once("```").expect("the block ends");
+    let bundled = include_str!("../assets/examples/stereo.toml").replace("\r\n", "\n");
+    assert!(bundled.contains(example), "CONTRIBUTING.md shows another example");
 }

@@ -9,32 +9,31 @@ use motionscope_core::course::{detection, estimator, estimators};
 use motionscope_core::products::Reference;
 use motionscope_core::run::AnyEstimator;
 
-/// The value of the measure `key` of a run of the estimator `id`.
-fn measured(id: &str, settings: Settings, example: &Example, key: &str) -> f64 {
+/// The measure of an example after a run of the estimator `id`.
+fn measured(id: &str, settings: &Settings, example: &Example) -> f64 {
     let mut estimator = estimator(id).expect("an estimator");
     settings.iter().for_each(|(name, value)| estimator.set(name, value).expect("a parameter in range"));
     let (clip, threads) = (clip_of(example), Threads::single());
     let output = estimator.run(&clip, example.frame, &threads).expect("a run");
     let reference = Reference { clip: &clip, frame: example.frame };
     let assessment = detection::assess(&*estimator, &output, &reference, &threads).expect("an assessment");
-    let score = assessment.scores.iter().find(|score| score.measure.key == key);
+    let score = assessment.scores.iter().find(|score| score.measure.key == example.measure);
     let value = score.and_then(|score| score.value.real());
-    value.unwrap_or_else(|| panic!("{id} on {} has no {key}", example.clip))
+    value.unwrap_or_else(|| panic!("{id} on {} has no {}", example.clip, example.measure))
 }
 
 fn check(family: impl Fn(&dyn AnyEstimator) -> bool) {
     let mut count = 0;
     for example in examples::examples() {
         for id in example.of.iter().filter(|id| family(&*estimator(id).expect("an estimator"))) {
-            let (key, limit) = example.claim;
-            let value = measured(id, example.settings, example, key);
-            assert!(limit.holds(value), "{id}, {}: {key} {value} is not {limit:?}", example.id);
+            let value = measured(id, &example.settings, example);
+            let Example { measure, limit, .. } = example;
+            assert!(limit.holds(value), "{id}, {}: {measure} {value} is not {limit:?}", example.id);
             count += 1;
         }
-        let Some(other) = example.instead.filter(|_| family(&*estimator(example.of[0]).expect("an estimator"))) else {
-            continue;
-        };
-        let value = measured(other.id, other.settings, example, example.claim.0);
+        let is_of_family = family(&*estimator(example.of[0]).expect("an estimator"));
+        let Some(other) = example.instead.as_ref().filter(|_| is_of_family) else { continue };
+        let value = measured(other.id, &other.settings, example);
         assert!(other.limit.holds(value), "{} instead, {}: {value} is not {:?}", other.id, example.id, other.limit);
     }
     assert!(count > 0, "none was checked");
@@ -69,7 +68,7 @@ fn each_difficulty_of_a_region_breaks_one_tracker_and_not_another() {
     ] {
         let shows = |example: &Example| {
             let is_of_region = estimator_family(example.of[0]) == estimator_family("mean-shift");
-            let other = example.instead.is_some_and(|instead| !example.of.contains(&instead.id));
+            let other = example.instead.as_ref().is_some_and(|instead| !example.of.contains(&instead.id));
             example.cause == Some(cause) && is_of_region && other
         };
         assert!(examples::examples().any(shows), "{}", cause.name());
@@ -102,10 +101,19 @@ fn every_estimator_has_examples_of_success_and_failure_with_names_of_their_own()
 fn no_two_examples_of_an_estimator_set_the_same() {
     for estimator in estimators() {
         let id = estimator.info().id;
-        let all: Vec<_> = examples::of(id).map(|example| (example.clip, example.settings, example.frame)).collect();
+        let all: Vec<_> = examples::of(id).map(|example| (example.clip, &example.settings, example.frame)).collect();
         let is_repeated = |set: &&_| all.iter().filter(|other| other == set).count() > 1;
         assert_eq!(all.iter().find(is_repeated), None, "{id}");
     }
+}
+
+#[test]
+fn every_file_of_examples_is_read() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/examples");
+    let files = std::fs::read_dir(folder).expect("the folder of the examples");
+    let texts = files.map(|file| std::fs::read_to_string(file.expect("a file").path()).expect("a text"));
+    let count: usize = texts.map(|text| text.matches("[[example]]").count()).sum();
+    assert_eq!(examples::examples().count(), count);
 }
 
 #[test]

@@ -161,7 +161,7 @@ impl Answers {
 
 /// The run of an example.
 fn walk(id: &str, example: &Example) -> Box<dyn Walk> {
-    set(id, example.settings).walk(&clip_of(example), example.frame).expect("a walk")
+    set(id, &example.settings).walk(&clip_of(example), example.frame).expect("a walk")
 }
 
 /// The answers of an estimator's examples: first from their start by smaller and by larger steps, then from places all over their runs.

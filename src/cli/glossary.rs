@@ -21,7 +21,7 @@ fn section(chapter: Chapter) -> String {
 /// If there is no such term: a sentence with similar ones.
 pub fn entry(word: &str) -> Result<String, Error> {
     let term = lookup(word)?;
-    let also = match term.aliases {
+    let also = match &*term.aliases {
         [] => String::new(),
         aliases => format!("  Also: {}\n", aliases.join(", ")),
     };

@@ -105,15 +105,15 @@ pub fn json(all: &[Box<dyn AnyEstimator>]) -> String {
 }
 
 fn example_json(example: &Example) -> serde_json::Value {
-    let set = |settings: examples::Settings| settings.iter().copied().collect::<std::collections::BTreeMap<_, _>>();
-    let instead = example.instead.map(|other| json!({ "estimator": other.id, "set": set(other.settings) }));
+    let set = |settings: &examples::Settings| settings.iter().copied().collect::<std::collections::BTreeMap<_, _>>();
+    let instead = example.instead.as_ref().map(|other| json!({ "estimator": other.id, "set": set(&other.settings) }));
     json!({
         "id": example.id,
         "title": example.title,
         "cause": example.cause.map(Cause::name),
         "clip": format!("synth:{}", example.clip),
         "frame": example.frame,
-        "set": set(example.settings),
+        "set": set(&example.settings),
         "says": example.says,
         "instead": instead,
     })

@@ -159,7 +159,7 @@ mod tests {
 
     #[test]
     fn the_glossary_can_be_written() {
-        for term in motionscope_core::course::glossary::GLOSSARY {
+        for term in motionscope_core::course::glossary::GLOSSARY.iter() {
             let words = [term.name, term.definition, term.symbol.unwrap_or_default()];
             for c in words.into_iter().flat_map(str::chars) {
                 assert!(Face::Sans.with(c).font().is_some_and(|font| font.glyph_id(c).0 != 0), "{}: {c}", term.name);

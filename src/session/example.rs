@@ -28,7 +28,7 @@ pub fn description(example: &Example) -> String {
         Some(cause) => format!("Fails: {}.", cause.name()),
         None => "Works.".to_owned(),
     };
-    let instead = example.instead.and_then(|other| {
+    let instead = example.instead.as_ref().and_then(|other| {
         let estimator = estimator(other.id).ok()?;
         let name = estimator.info().name;
         let set: Vec<_> = other.settings.iter().map(|(name, value)| setting(&*estimator, name, value)).collect();

@@ -16,7 +16,7 @@ const STEPS: usize = 40;
 pub fn sample(estimator: &dyn AnyEstimator) -> Prepared {
     let example = examples::of(estimator.info().id).next();
     let mut estimator = estimator.boxed_clone();
-    let settings = example.map_or(&[][..], |example| example.settings);
+    let settings = example.map_or(&[][..], |example| &example.settings);
     settings.iter().for_each(|(name, value)| estimator.set(name, value).expect("a setting of an example"));
     let clip = example.map_or("traffic", |example| example.clip);
     let source = Source::parse(format!("synth:{clip}")).expect("a scene of an example");

@@ -1,26 +1,34 @@
 //! The terms of the course with their definitions, and where they occur in a text.
 
 mod roles;
-mod terms;
 
 use std::collections::HashMap;
 use std::fmt;
 use std::ops::Range;
-use std::sync::OnceLock;
+use std::sync::{LazyLock, OnceLock};
 
+use serde::Deserialize;
+
+use super::bundled;
 use crate::base::{Error, words};
 
 pub use roles::role_of;
-pub use terms::GLOSSARY;
+
+/// Every term of the course, sorted by name without regard to case.
+pub static GLOSSARY: LazyLock<Vec<Term>> = LazyLock::new(|| {
+    bundled::read("glossary.toml", include_str!("../../assets/glossary.toml")).expect("the laws read it")
+});
 
 /// A term of the field, with the definition that a reader sees on hover.
-#[derive(Debug, PartialEq, Eq)]
+#[derive(Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Term {
     /// The name by which the program calls it everywhere.
     pub name: &'static str,
     /// Other spellings by which it is found: plurals, abbreviations, American spellings. One without a lower-case letter, such as
     /// `SAD` or `FAST`, is an abbreviation and is found in a text only as it is written.
-    pub aliases: &'static [&'static str],
+    #[serde(default)]
+    pub aliases: Vec<&'static str>,
     /// Its usual symbol in formulas; a letter below the line follows a low line, as in `I_t`.
     pub symbol: Option<&'static str>,
     /// One sentence.
@@ -31,13 +39,14 @@ pub struct Term {
 
 impl Term {
     /// The name and the aliases.
-    pub fn spellings(&self) -> impl Iterator<Item = &'static str> + use<> {
+    pub fn spellings(&self) -> impl Iterator<Item = &'static str> {
         std::iter::once(self.name).chain(self.aliases.iter().copied())
     }
 }
 
 /// A chapter of the course.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Chapter {
     /// Scenes, cameras and the ways in which things move.
     DynamicScenes,
@@ -311,7 +320,7 @@ mod tests {
 
     #[test]
     fn definitions_are_one_sentence_that_is_not_circular() {
-        for Term { name, definition, symbol, .. } in GLOSSARY {
+        for Term { name, definition, symbol, .. } in GLOSSARY.iter() {
             assert!(definition.starts_with(char::is_uppercase), "{name}");
             assert!(definition.ends_with('.') && !definition.contains(". "), "{name}: {definition}");
             assert!((20..=240).contains(&definition.len()), "{name}: {}", definition.len());
@@ -336,7 +345,7 @@ mod tests {
             assert_eq!(find(word).map(|term| term.name), Some(name), "{word}");
         }
         assert!(["", "eigen", "the", "größe"].iter().all(|word| find(word).is_none()));
-        for term in GLOSSARY {
+        for term in GLOSSARY.iter() {
             assert!(term.spellings().all(|written| find(written) == Some(term)), "{}", term.name);
         }
     }

@@ -4,6 +4,7 @@
 //! measure, and an estimator or settings that work instead. A law measures both, and requires of every estimator an example of
 //! success, which comes first, and failures of two causes.
 
+mod bundled;
 pub mod compare;
 pub mod detection;
 pub mod examples;

@@ -47,11 +47,10 @@ mod tests {
         let columns = all_columns();
         let mut checked = 0;
         for example in examples().filter(|example| !example.is_failure()) {
-            let (measure, limit) = example.claim;
-            let column = columns.iter().find(|column| column.name == measure);
+            let column = columns.iter().find(|column| column.name == example.measure);
             let Some(better) = column.and_then(|column| column.better) else { continue };
-            let claimed = if matches!(limit, Limit::AtMost(_)) { Better::Smaller } else { Better::Larger };
-            assert_eq!(better, claimed, "{}: {measure}", example.id);
+            let claimed = if matches!(example.limit, Limit::AtMost(_)) { Better::Smaller } else { Better::Larger };
+            assert_eq!(better, claimed, "{}: {}", example.id, example.measure);
             checked += 1;
         }
         assert!(checked > 20, "{checked}");

@@ -244,8 +244,8 @@ fn examples(all: &[Box<dyn AnyEstimator>], chosen: &str) -> Vec<Entry> {
 
 /// Whether both show the same on the same clip, of different estimators.
 fn is_alike(a: &Example, b: &Example) -> bool {
-    let shown = |example: &Example| (example.title, example.clip, example.frame, example.settings, example.cause);
-    shown(a) == shown(b)
+    let shown = [a, b].map(|one| (one.title, one.clip, one.frame, &one.settings, one.cause));
+    shown[0] == shown[1]
 }
 
 /// The row of examples that are alike.
@@ -380,7 +380,7 @@ mod tests {
         assert_eq!(called("A bus passes by"), ["Works: Pyramidal Lucas–Kanade and 5 others", "Fails: Normal flow"]);
         let listed: usize = examples::examples().map(|example| example.of.len()).sum();
         for example in examples::examples() {
-            for id in example.of {
+            for id in &example.of {
                 let rows = examples(&all, id);
                 let opens =
                     |row: &Entry| matches!(row.action, Action::OpenExample(of, one) if of == *id && one == example);
