@@ -38,12 +38,10 @@ enum Of {
     Features,
 }
 
-/// The errors of a dense field.
 pub(super) fn of_field(flow: &Flow, reference: &Reference<'_>) -> Assessment {
     or_unknown(true_flow(reference).and_then(|truth| assess(flow, truth, Of::Pixels)))
 }
 
-/// The errors of a sparse flow.
 pub(super) fn of_points(flow: &Flow, reference: &Reference<'_>) -> Assessment {
     or_unknown(true_flow(reference).and_then(|truth| assess(flow, truth, Of::Features)))
 }

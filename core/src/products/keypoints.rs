@@ -199,7 +199,7 @@ impl Product for PointField {
         measures: &[&MEASURES, &REPEATABILITY, &flow_error::MEASURES],
     };
 
-    /// Place of each feature, its displacement per frame if it has one, what became of it, and how it was detected: the
+    /// Place of each feature, its displacement per frame if it has one, its status, and how it was detected: the
     /// response that it was chosen by, and where that is known its scale and its orientation in degrees.
     fn table(&self) -> Option<Table> {
         let mut columns = vec!["x_px", "y_px", "u_px", "v_px", "status", "residual"];

@@ -25,7 +25,7 @@ impl Output {
         Self(vec![Arc::new(product)])
     }
 
-    /// The same with one more.
+    /// The same result with a further product.
     #[must_use]
     pub fn and(mut self, product: impl Product) -> Self {
         self.0.push(Arc::new(product));
@@ -97,7 +97,7 @@ impl Output {
         self.products().find_map(AnyProduct::last_frame)
     }
 
-    /// Where its products tell of motion at most.
+    /// The densest motion among its products.
     pub fn motion(&self) -> Motion {
         self.kinds().map(|kind| kind.motion).max().unwrap_or_default()
     }

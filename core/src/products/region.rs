@@ -126,7 +126,7 @@ pub struct RegionScores {
     pub precision: f64,
     /// Mean centre error in px over the frames in which the object is not reported as lost; NaN without any.
     pub center_px: f64,
-    /// How often the overlap of the box fell to 0, whether it is reported as lost or not.
+    /// Number of times that the overlap of the box fell to 0, whether it is reported as lost or not.
     pub failures: usize,
 }
 
@@ -264,7 +264,7 @@ impl RegionScores {
         let mean = |of: &dyn Fn(&RegionError) -> f64| errors.iter().map(of).sum::<f64>() / errors.len() as f64;
         let curve = success(errors);
         let held: Vec<f64> = errors.iter().filter(|error| !error.is_lost).map(|error| error.center_px).collect();
-        // It starts on the object.
+        // The region starts on the object.
         let overlaps = std::iter::once(1.0).chain(errors.iter().map(|error| error.overlap));
         let fell = |(before, now): &(f64, f64)| *before > 0.0 && *now == 0.0;
         Some(Self {

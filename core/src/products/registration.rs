@@ -14,7 +14,7 @@ pub struct Window {
 }
 
 impl Window {
-    /// That of a picture in its own coordinates.
+    /// The window of a picture in its own coordinates.
     pub fn of(size: (usize, usize)) -> Self {
         Self { origin: [0; 2], size }
     }

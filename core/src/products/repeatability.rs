@@ -16,7 +16,7 @@ pub struct Repeatability {
     pub first: usize,
     /// Keypoints of the second picture that lie in the first.
     pub second: usize,
-    /// Those of the first with one of the second within the tolerance.
+    /// Keypoints of the first picture with one of the second within the tolerance.
     pub repeated: usize,
 }
 
@@ -97,7 +97,7 @@ fn seen_from(flow: &Flow, is_hidden: impl Fn((usize, usize)) -> bool, size: (usi
 fn cover(seen: &mut Grid<bool>, triangle: &[[f32; 2]; 3]) {
     /// Longest side of a triangle within one motion, in px.
     const MOST_PX: f32 = 8.0;
-    /// What rounding takes from a border.
+    /// Tolerance for rounding at a border.
     const MARGIN: f32 = 1e-3;
     let span = [0, 1].map(|i| {
         let (low, high) = triangle.iter().fold((f32::MAX, f32::MIN), |(a, b), p| (a.min(p[i]), b.max(p[i])));
@@ -202,7 +202,7 @@ mod tests {
             let found = repeatability_in_flow([&a, &b], &flow, None, tolerance);
             assert_eq!(Some(found), repeatability([&a, &b], shift, tolerance));
         }
-        // What is hidden or unknown does not count.
+        // Hidden and unknown pixels do not count.
         let hidden = Grid::from_fn(100, 80, |x, y| (x, y) == (20, 30));
         let found = repeatability_in_flow([&a, &b], &flow, Some(&hidden), 1.5);
         assert_eq!((found.first, found.repeated), (2, 1));

@@ -39,7 +39,7 @@ impl EgoMotion {
     }
 }
 
-/// What both views measure of each pixel at two times, and what follows from it in space.
+/// The measurements of both views at each pixel at two times, and the resulting motion in space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneFlowField {
     /// Frame t of the left view.

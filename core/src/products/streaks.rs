@@ -102,7 +102,7 @@ fn carried(flow: &Flow, from: [f32; 2], step: f32) -> Vec<[f32; 2]> {
         Some(toward(flow.sample(middle)?, 1.0))
     };
     let way: Vec<_> = std::iter::successors(Some(from), next).take(STEPS + 1).collect();
-    // What stays where it is leaves no streak.
+    // A particle at rest leaves no streak.
     let goes = way.last().is_some_and(|last| (last[0] - from[0]).hypot(last[1] - from[1]) > 0.5);
     if goes { way } else { Vec::new() }
 }

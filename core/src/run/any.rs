@@ -1,4 +1,4 @@
-//! An estimator of which only the declaration matters, and the one door to its runs.
+//! A type-erased estimator: its declaration, and how to start a run.
 
 use std::any::Any;
 
@@ -46,7 +46,7 @@ pub struct Extent {
     pub memory_bytes: usize,
 }
 
-/// What a whole run amounts to.
+/// The products and the size of a whole run.
 pub struct RunSummary {
     /// The products.
     pub output: Output,
@@ -130,13 +130,13 @@ pub trait AnyEstimator: Params + Send + Sync {
     /// If the clip, the frame, the parameters or the memory do not allow a run.
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Output, Error>;
 
-    /// A whole run with all that can be said of it: its size is counted on the way.
+    /// A whole run with its summary; its size is counted on the way.
     ///
     /// # Errors
     /// If the clip, the frame, the parameters or the memory do not allow a run.
     fn run_counted(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<RunSummary, Error>;
 
-    /// A run that goes on unit after unit.
+    /// A run that is advanced unit by unit.
     ///
     /// # Errors
     /// If the clip, the frame or the parameters do not allow a run.
@@ -157,7 +157,7 @@ pub trait AnyEstimator: Params + Send + Sync {
     fn evaluations(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Vec<u32>, Error>;
 }
 
-/// A run that goes on unit after unit.
+/// A run that is advanced unit by unit.
 pub trait AnyRun: Send {
     /// Does the next unit.
     ///
@@ -254,7 +254,7 @@ impl<E: Estimator> AnyEstimator for E {
     fn walk(&self, clip: &Clip, frame: usize) -> Result<Box<dyn Walk>, Error> {
         check_pictures::<E>(clip)?;
         check_memory(self, clip, |need| need.walk)?;
-        // What is left of the memory may hold states to go back to.
+        // The remaining memory may hold checkpoints.
         let left = clip.room().saturating_sub(Footprint::need(self, clip).walk);
         let budget = Timeline::<E>::BUDGET_BYTES.min(usize::try_from(left / 2).unwrap_or(usize::MAX));
         Ok(Box::new(Timeline::new(self.clone(), clip.clone(), frame)?.with_budget(budget)))

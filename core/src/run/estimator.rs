@@ -40,7 +40,8 @@ pub struct Info {
     pub frames: usize,
 }
 
-/// What an estimator is guaranteed to find for a global translation within its range, in whole px unless stated otherwise.
+/// The guaranteed result of an estimator for a global translation within its range, in whole px unless stated
+/// otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Guarantee {
     /// The translation, on any texture that does not repeat.
@@ -207,7 +208,7 @@ pub trait Estimator: Params + Footprint<<Self as Estimator>::State> + Default + 
         None
     }
 
-    /// What it lends to an estimator whose stage it is, besides its products.
+    /// Data lent to the parent of a stage, besides its products.
     fn lends(&self) -> Option<Box<dyn Any>> {
         None
     }

@@ -40,7 +40,7 @@ pub trait TestsCandidates<S, E> {
     fn evaluations(&self, state: &S) -> Vec<u32>;
 }
 
-/// From when on a pixel can be explained by itself.
+/// The first step at which a pixel can be explained by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Explained {
     /// At every step, since each is about all pixels.

@@ -36,7 +36,7 @@ impl Need {
 /// Bytes per pixel of the frames of a pair, each in gray and in colour.
 const PAIR: u64 = 2 * (1 + 3);
 
-/// Checks that `bytes`, the need of estimator `who`, are free, and where no memory was given to the run, so are those of the frames that it
+/// Checks that `bytes`, the need of estimator `who`, are free; without a given memory, also those of the frames that it
 /// has decoded.
 pub(crate) fn check(clip: &Clip, who: &str, bytes: u64) -> Result<(), Error> {
     let (free, (width, height)) = (clip.room(), clip.size());

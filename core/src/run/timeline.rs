@@ -259,7 +259,8 @@ impl<E: Estimator> Timeline<E> {
         self.seen > 0 && self.seen == self.unit.events.len()
     }
 
-    /// Records `state`, before unit `index`, which takes `work` to reach from a checkpoint; gives what it takes from now on.
+    /// Records `state`, before unit `index`, which takes `work` to reach from a checkpoint; returns the work to reach
+    /// it from now on.
     fn come_by(&mut self, index: usize, state: &E::State, work: Duration) -> Duration {
         self.groups.note(index, &self.estimator.place(state));
         let estimator = &self.estimator;
@@ -331,7 +332,7 @@ impl<E: Estimator> Timeline<E> {
         PendingMove { goal, origin: index, index, state: state.clone(), work }
     }
 
-    /// Runs some units of a pending move unobserved; gives the move that goes on, if one does.
+    /// Runs some units of a pending move unobserved; returns the move if it is unfinished.
     fn proceed(&mut self, mut pending: PendingMove<E>) -> Option<PendingMove<E>> {
         let most = match pending.goal {
             Goal::Cursor(cursor) => cursor.unit - pending.index,

@@ -26,7 +26,7 @@ pub enum Move {
     End,
 }
 
-/// A run that can be walked through in both directions: a [`Timeline`](crate::run::Timeline) of which only the declaration matters.
+/// A run that can be walked through in both directions: a type-erased [`Timeline`](crate::run::Timeline).
 ///
 /// A move is asked for with [`Walk::go`] and done by [`Walk::work`], which returns when the caller says
 /// that its slice of time is over. Until it is finished everything shows the old cursor.
@@ -57,7 +57,7 @@ pub trait Walk: Send {
     fn place(&self) -> Vec<Granularity>;
     /// Asks for a move; it replaces one that is not finished.
     fn go(&mut self, to: Move);
-    /// Works on the move while `more` says so; gives whether it is finished.
+    /// Works on the move while `more` returns true; returns whether it is finished.
     fn work(&mut self, more: &mut dyn FnMut() -> bool) -> bool;
     /// Units done and units needed by the unfinished move, if known.
     fn progress(&self) -> Option<(usize, usize)>;
@@ -71,7 +71,7 @@ pub trait Walk: Send {
     }
     /// The unit with its result at `focus`.
     fn unit_at(&self, focus: Focus) -> Option<usize>;
-    /// From when on the pixel at `focus` can be explained by itself, if it can.
+    /// The first step at which the pixel at `focus` can be explained by itself, if there is one.
     fn explained(&self, _focus: Focus) -> Option<Explained> {
         None
     }
@@ -93,7 +93,7 @@ pub trait Walk: Send {
     }
     /// The explanation at the cursor; `focus` is the pixel pointed at.
     fn step(&self, focus: Option<Focus>) -> Step;
-    /// The explanation one event earlier, if that belongs to the same unit: what has changed since is seen in it.
+    /// The explanation one event earlier, if that belongs to the same unit: it shows what has changed since.
     fn step_before(&self, _focus: Option<Focus>) -> Option<Step> {
         None
     }
@@ -122,7 +122,8 @@ pub trait Walk: Send {
         self.jump_while(to, &|| true);
     }
 
-    /// Goes there while `is_wanted`; gives whether it arrived. A move that is abandoned leaves the cursor where it was.
+    /// Goes there while `is_wanted`; returns whether it arrived. A move that is abandoned leaves the cursor where it
+    /// was.
     fn jump_while(&mut self, to: Move, is_wanted: &dyn Fn() -> bool) -> bool {
         self.go(to);
         while is_wanted() {
@@ -143,7 +144,7 @@ pub struct Beside {
     pub names: [String; 2],
     /// The position of its own run.
     pub cursor: Cursor,
-    /// What it tells there; its readouts name the candidates of the block at hand where alone they name its events.
+    /// Its step there. Readouts that refer to events of a single run refer to candidates of the current block here.
     pub step: Step,
     /// Its scene there.
     pub scene: Scene,
@@ -160,8 +161,8 @@ pub struct Beside {
 pub struct CandidateCount {
     /// For the current block.
     pub here: usize,
-    /// Which of the units that lead to the block it is at, from 1, and how many there are: more than one where levels
-    /// are gone through.
+    /// Number of the unit that it is at, of those that lead to the block, from 1, and their total: several for
+    /// coarse-to-fine searches.
     pub leg: (usize, usize),
     /// In the whole run so far.
     pub in_all: u64,

@@ -30,11 +30,11 @@ impl<'a, E> WorkBudget<'a, E> {
         Self { left: pairs, since: 0, wanted }
     }
 
-    /// Does the work of all parts, the smallest first, each with an equal share of what is left: no large part takes the share of a small
+    /// Does the work of all parts, the smallest first, each with an equal share of the remaining budget: no large part takes the share of a small
     /// one, and what the small ones leave is for the large ones. Returns the results in the order of the parts.
     ///
     /// # Errors
-    /// Those of the work.
+    /// The errors of the work.
     pub fn shared<P, T>(
         &mut self,
         parts: &[P],
@@ -399,7 +399,7 @@ mod tests {
                 budget.take(*part).map(|_| left)
             },
         );
-        // 100 / 4, 97 / 3, 90 / 2, and what is left.
+        // 100 / 4, 97 / 3, 90 / 2, and the remainder.
         assert_eq!(had.expect("it is wanted"), [50, 25, 45, 32]);
         assert_eq!(budget.left, 0);
     }

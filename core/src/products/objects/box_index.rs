@@ -71,7 +71,7 @@ impl BoxIndex {
             return (0..self.count as u32).for_each(ask);
         }
         self.unbounded.iter().for_each(|index| ask(*index));
-        self.grids.iter().for_each(|grid| grid.reached([min, max], &mut ask));
+        self.grids.iter().for_each(|grid| grid.visit([min, max], &mut ask));
         // The boxes of a cell are sorted already, which this sort exploits.
         found.sort_by_key(|(index, _)| *index);
     }
@@ -80,7 +80,7 @@ impl BoxIndex {
 impl Cells {
     /// Visits the boxes in the cells that a box reaches. The least corner of a touching box lies at most one cell before it, plus
     /// the rounding tolerance.
-    fn reached(&self, [min, max]: Corners, ask: &mut impl FnMut(u32)) {
+    fn visit(&self, [min, max]: Corners, ask: &mut impl FnMut(u32)) {
         let reach = self.side * (1.0 + ROUNDING);
         let span = |i: usize| [cell(min[i] - reach - ROUNDING * min[i].abs(), self.side), cell(max[i], self.side)];
         let ([left, right], [top, bottom]) = (span(0), span(1));

@@ -87,7 +87,7 @@ pub struct ObjectField {
     pub watched: Watched,
 }
 
-/// How many lines and zones trajectories are counted at.
+/// The number of lines and zones at which trajectories are counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Watched {
     /// Counting lines.

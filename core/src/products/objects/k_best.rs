@@ -12,7 +12,7 @@ use super::assignment::WorkBudget;
 /// The ways in which a row can stay without a column.
 pub(crate) const WAYS_ALONE: usize = 2;
 
-/// What a row is assigned to.
+/// The assignment of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Choice {
     /// A column, which no other row has.
@@ -46,7 +46,7 @@ pub struct Problem {
 pub struct Solution {
     /// The index of its problem.
     pub problem: usize,
-    /// What each row is assigned to.
+    /// The assignment of each row.
     pub choices: Vec<Choice>,
     /// Its total cost.
     pub cost: f64,
@@ -151,7 +151,7 @@ impl Ord for Node {
     }
 }
 
-/// What an augmenting path led to.
+/// The outcome of an augmenting path.
 enum Augmented {
     Found(Box<Node>),
     /// There is no solution within the limit.
@@ -235,7 +235,6 @@ impl Node {
         Ok(Some(node))
     }
 
-    /// Returns the cheapest free choice of a row.
     fn cheapest(&self, row: &Row) -> Option<Choice> {
         let columns = row.columns.iter().filter(|(column, _)| self.row_of[*column].is_none());
         let columns = columns.map(|(column, cost)| (Choice::Column(*column), *cost));

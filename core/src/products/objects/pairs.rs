@@ -67,7 +67,6 @@ impl Pairs {
         self.columns.is_empty()
     }
 
-    /// The range of a row in the lists.
     fn range(&self, row: usize) -> Range<usize> {
         let start = row.checked_sub(1).map_or(0, |before| self.ends[before]);
         start..self.ends[row]

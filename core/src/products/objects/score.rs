@@ -109,7 +109,7 @@ impl Matches {
         Self { truths: self.truths + truths, estimates: self.estimates + estimates, pairs: self.pairs + pairs }
     }
 
-    /// What is true and has no match: false negatives.
+    /// True boxes or pixels without a match: false negatives.
     pub fn misses(self) -> usize {
         self.truths - self.pairs
     }

@@ -6,18 +6,18 @@
 //! diamond             ●   ●   ●   ●   found           one that is done waits
 //! ```
 
-use super::{Pace, in_frame_t, names, of_member};
+use super::{Pace, goal, in_frame_t, names, of_member};
 use crate::base::{Error, Threads};
 use crate::data::Clip;
 use crate::products::{BlockField, BlockGrid, Output};
-use crate::run::{AnyEstimator, Beside, CandidateCount, Cursor, Direction, Granularity, Info, Move, Walk};
+use crate::run::{AnyEstimator, Beside, CandidateCount, Cursor, Granularity, Info, Move, Walk};
 use crate::scene::{Focus, Picture, Readout, Role, Scene, Step};
 
 /// The events of one unit of a member at which candidates were tested.
 #[derive(Clone, Default)]
 struct Trail {
     unit: usize,
-    /// How many events were seen by then, candidate by candidate.
+    /// Number of events seen by then, for each candidate.
     evaluations: Vec<usize>,
     events: usize,
 }
@@ -25,11 +25,11 @@ struct Trail {
 struct Member {
     walk: Box<dyn Walk>,
     names: [String; 2],
-    /// Where the budget counts: candidates tested before each unit, and in all.
+    /// For a budget: candidates tested before each unit, and in all.
     spent: Vec<u64>,
     /// The units that lead to the result shown.
     trails: Vec<Trail>,
-    /// How many candidates of them were tested; one more once what was found is told.
+    /// Number of their candidates tested so far; one more once the result is shown.
     seen: usize,
 }
 
@@ -38,14 +38,14 @@ impl Member {
         self.trails.iter().map(|trail| trail.evaluations.len()).sum()
     }
 
-    /// Which of the units that lead to what is shown the member is at, from 1, and how many there are.
+    /// Number of the unit that the member is at, of those that lead to the result shown, from 1, and their total.
     fn leg(&self) -> (usize, usize) {
         let unit = self.walk.cursor().unit;
         let at = self.trails.iter().position(|trail| trail.unit == unit).unwrap_or(0);
         (at + 1, self.trails.len())
     }
 
-    /// The number of the candidate that was tested at `event` of the unit at hand, among all those of its trails.
+    /// The number of the candidate that was tested at `event` of the current unit, among all those of its trails.
     fn number(&self, event: usize) -> usize {
         let unit = self.walk.cursor().unit;
         let before = self.trails.iter().take_while(|trail| trail.unit != unit).map(|trail| trail.evaluations.len());
@@ -53,14 +53,15 @@ impl Member {
         before.sum::<usize>() + here.map_or(0, |trail| trail.evaluations.partition_point(|&e| e <= event))
     }
 
-    /// Where the member stands after candidate `seen` of its trails, a new best seen; beyond the last one, at their end.
+    /// The cursor of the member after candidate `seen` of its trails, with a new best seen; beyond the last one, at
+    /// their end.
     fn stand(&self, mut seen: usize) -> Cursor {
         if seen == 0 {
             return Cursor::default();
         }
         for trail in &self.trails {
             if let Some(last) = seen.checked_sub(1).filter(|last| *last < trail.evaluations.len()) {
-                // What comes next, be it a candidate or the end of the unit, is not seen yet.
+                // The next candidate, or the end of the unit, is not seen yet.
                 let next = trail.evaluations.get(last + 1).copied().unwrap_or(trail.events);
                 return Cursor { unit: trail.unit, event: trail.evaluations[last].max(next - 1) };
             }
@@ -70,7 +71,7 @@ impl Member {
     }
 }
 
-/// A move on its way: the members are asked for their units one after the other, and then stand where they belong.
+/// An unfinished move: the members visit their units one after the other, then go to their positions.
 struct PendingMove {
     goal: Cursor,
     /// For each member the units that lead to the goal, and the candidate of them at which it is to stand.
@@ -96,7 +97,7 @@ pub(super) struct Candidates {
     blocks: BlockGrid,
     units: usize,
     cursor: Cursor,
-    /// Events of the unit at hand.
+    /// Events of the current unit.
     events: usize,
     pending: Option<PendingMove>,
 }
@@ -149,27 +150,6 @@ impl Candidates {
         Ok(lockstep)
     }
 
-    /// The goal of a move; the event may lie beyond the last.
-    fn goal(&self, to: Move) -> Cursor {
-        let Cursor { unit, event } = self.cursor;
-        let end_of = |unit| Cursor { unit, event: usize::MAX };
-        let back = || unit.checked_sub(1).map_or(Cursor::default(), end_of);
-        let goal = match to {
-            Move::To(Cursor { unit, event: 0 }) if unit > 0 => end_of(unit - 1),
-            Move::To(cursor) => cursor,
-            Move::End | Move::Granularity(0, Direction::Forward) => end_of(usize::MAX),
-            Move::Granularity(0, Direction::Back) => Cursor::default(),
-            Move::Granularity(1, Direction::Forward) if event < self.events => end_of(unit),
-            Move::Granularity(1, Direction::Forward) => end_of(unit + 1),
-            Move::Granularity(_, Direction::Forward) if event < self.events => Cursor { unit, event: event + 1 },
-            Move::Granularity(_, Direction::Forward) if unit + 1 == self.units => self.cursor,
-            Move::Granularity(_, Direction::Forward) => Cursor { unit: unit + 1, event: 1 },
-            Move::Granularity(2.., Direction::Back) if event > 1 => Cursor { unit, event: event - 1 },
-            Move::Granularity(_, Direction::Back) => back(),
-        };
-        if goal.unit < self.units { goal } else { end_of(self.units - 1) }
-    }
-
     /// The units that lead to `goal`, and the candidate of them at which to stand, for each member.
     fn ways(&self, goal: Cursor) -> Vec<(Vec<usize>, usize)> {
         if self.is_budget {
@@ -179,7 +159,7 @@ impl Candidates {
         }
     }
 
-    /// Does the next part of a move; gives it back if it goes on, and whether it is only to be waited for.
+    /// Does the next part of a move; returns it if it is unfinished, and whether it only waits.
     fn proceed(
         &mut self,
         mut pending: PendingMove,
@@ -190,7 +170,7 @@ impl Candidates {
                 self.complete_move(pending.goal);
                 return Ok(None);
             };
-            // Every member knows its candidates: now each takes its stand.
+            // All candidates are known: every member moves to its position.
             (pending.member, pending.asked) = (0, false);
             return Ok(Some(pending));
         };
@@ -214,7 +194,7 @@ impl Candidates {
             if let Some(trails) =
                 pending.trails.as_mut().filter(|_| way.iter().eq(member.trails.iter().map(|t| &t.unit)))
             {
-                // The same units as before: nobody has to go there to know them.
+                // The same units as before, whose candidates are already known.
                 (*trails, pending.asked) = (member.trails.clone(), false);
                 return Ok(Some(pending));
             }
@@ -242,9 +222,9 @@ impl Candidates {
         self.cursor = Cursor { event: goal.event.min(self.events), ..goal };
     }
 
-    /// What member `index` tells. A click on its readouts leads to a candidate of the block at hand; where the budget
-    /// counts, only the leader has one.
-    fn explained_step(&self, index: usize, focus: Option<Focus>) -> Step {
+    /// The step of member `index`. A click on its readouts leads to a candidate of the current block; with a budget,
+    /// only the leader has one.
+    fn explain_member(&self, index: usize, focus: Option<Focus>) -> Step {
         let member = &self.members[index];
         let mut step = member.walk.step(in_frame_t(focus));
         let leads = !self.is_budget || index == 0;
@@ -314,7 +294,8 @@ impl Walk for Candidates {
     }
 
     fn go(&mut self, to: Move) {
-        let goal = self.goal(to);
+        let goal = goal(to, self);
+        let goal = if goal.unit < self.units { goal } else { Cursor { unit: self.units - 1, event: usize::MAX } };
         let ways = self.ways(goal);
         self.pending = Some(PendingMove { goal, ways, member: 0, trails: Some(Vec::new()), asked: false });
     }
@@ -357,7 +338,7 @@ impl Walk for Candidates {
     }
 
     fn step(&self, focus: Option<Focus>) -> Step {
-        self.explained_step(0, focus)
+        self.explain_member(0, focus)
     }
 
     fn scene(&self, focus: Option<Focus>) -> Scene {
@@ -385,7 +366,7 @@ impl Walk for Candidates {
             info: member.walk.info(),
             names: member.names.clone(),
             cursor: member.walk.cursor(),
-            step: self.explained_step(index, focus),
+            step: self.explain_member(index, focus),
             scene: member.walk.scene(in_frame_t(focus)),
             output: member.walk.output(),
             candidates: Some(CandidateCount {

@@ -1,6 +1,6 @@
 //! Several estimators in lockstep: beside each other on the same frames, each a step further at every step.
 //!
-//! What a step is depends on the [`Pace`]. Block searches can be held at the same block and candidate (`candidates.rs`);
+//! The [`Pace`] decides what a step is. Block searches can be held at the same block and candidate (`candidates.rs`);
 //! all others at the stops of a granularity that they share, such as a frame or an iteration (`stops.rs`).
 //!
 //! Either is a [`Walk`] itself, so stepping needs no special case; [`Walk::beside`] returns the step and the scene of each
@@ -12,7 +12,7 @@ mod stops;
 use candidates::Candidates;
 use stops::Stops;
 
-use super::{AnyEstimator, Info, Walk};
+use super::{AnyEstimator, Cursor, Direction, Info, Move, Walk};
 use crate::base::{Error, Threads};
 use crate::choices;
 use crate::data::Clip;
@@ -20,7 +20,7 @@ use crate::params::{Kind, Parameter, Value};
 use crate::scene::Focus;
 
 choices! {
-    /// What estimators in lockstep have in common at every step.
+    /// The common position of estimators in lockstep at every step.
     pub enum Pace {
         /// All are at the same block, and have tested as many candidates for it.
         Block = "block" "same block",
@@ -39,7 +39,7 @@ choices! {
     }
 }
 
-/// As many can stand beside each other.
+/// Maximum number of members.
 pub const MEMBERS: std::ops::RangeInclusive<usize> = 2..=4;
 
 /// The stops of an estimator in lockstep.
@@ -78,7 +78,7 @@ impl Pace {
         }
     }
 
-    /// What the estimators have in common, as a sentence.
+    /// The common position of the estimators, as a sentence.
     pub fn sentence(self) -> &'static str {
         match self {
             Self::Block => "All are at the same block, and have tested as many candidates for it.",
@@ -227,4 +227,23 @@ fn of_member(estimator: &dyn AnyEstimator, error: &Error) -> Error {
 /// The same place in frame t.
 fn in_frame_t(focus: Option<Focus>) -> Option<Focus> {
     focus.map(|focus| Focus::current(focus.at))
+}
+/// The goal of a move of units with events; unit and event may lie beyond the last.
+fn goal(to: Move, walk: &impl Walk) -> Cursor {
+    let (cursor, events) = (walk.cursor(), walk.events());
+    let Cursor { unit, event } = cursor;
+    let end_of = |unit| Cursor { unit, event: usize::MAX };
+    match to {
+        Move::To(Cursor { unit, event: 0 }) if unit > 0 => end_of(unit - 1),
+        Move::To(cursor) => cursor,
+        Move::End | Move::Granularity(0, Direction::Forward) => end_of(usize::MAX),
+        Move::Granularity(0, Direction::Back) => Cursor::default(),
+        Move::Granularity(_, Direction::Forward) if walk.at_end() => cursor,
+        Move::Granularity(1, Direction::Forward) if event < events => end_of(unit),
+        Move::Granularity(1, Direction::Forward) => end_of(unit + 1),
+        Move::Granularity(_, Direction::Forward) if event < events => Cursor { unit, event: event + 1 },
+        Move::Granularity(_, Direction::Forward) => Cursor { unit: unit + 1, event: 1 },
+        Move::Granularity(2.., Direction::Back) if event > 1 => Cursor { unit, event: event - 1 },
+        Move::Granularity(_, Direction::Back) => unit.checked_sub(1).map_or(Cursor::default(), end_of),
+    }
 }

@@ -7,7 +7,7 @@
 //! mixture           compare  decide  shadows  open  close  label ...      the first waits while the second removes shadows
 //! ```
 
-use super::{Pace, Stride, in_frame_t, names, of_member};
+use super::{Pace, Stride, goal, in_frame_t, names, of_member};
 use crate::base::Error;
 use crate::data::Clip;
 use crate::products::Output;
@@ -22,7 +22,7 @@ struct Member {
     ends: Vec<Cursor>,
     /// Whether these are all.
     is_explored: bool,
-    /// Its event at each event of the stop at hand, where events are stepped; none if its run ended before.
+    /// Its event at each event of the current stop, if events are stepped; none if its run ended before.
     events: Vec<usize>,
 }
 
@@ -93,7 +93,7 @@ enum Phase {
     Within,
 }
 
-/// A move on its way.
+/// An unfinished move.
 struct PendingMove {
     goal: Cursor,
     phase: Phase,
@@ -109,7 +109,7 @@ pub(super) struct Stops {
     members: Vec<Member>,
     pace: Pace,
     cursor: Cursor,
-    /// Events of the stop at hand.
+    /// Events of the current stop.
     events: usize,
     pending: Option<PendingMove>,
 }
@@ -140,7 +140,6 @@ impl Stops {
         self.members.iter().all(|member| member.stride == Stride::Unit)
     }
 
-    /// Aligns the events of the members at a stop.
     fn align(&mut self, stop: usize) {
         self.members.iter_mut().for_each(|member| member.events.clear());
         self.events = 1;
@@ -156,26 +155,7 @@ impl Stops {
         here.iter_mut().zip(all).for_each(|(member, events)| member.events = events);
     }
 
-    /// The goal of a move; the event may lie beyond the last.
-    fn goal(&self, to: Move) -> Cursor {
-        let Cursor { unit, event } = self.cursor;
-        let end_of = |unit| Cursor { unit, event: usize::MAX };
-        match to {
-            Move::To(Cursor { unit, event: 0 }) if unit > 0 => end_of(unit - 1),
-            Move::To(cursor) => cursor,
-            Move::End | Move::Granularity(0, Direction::Forward) => end_of(usize::MAX),
-            Move::Granularity(0, Direction::Back) => Cursor::default(),
-            Move::Granularity(_, Direction::Forward) if self.at_end() => self.cursor,
-            Move::Granularity(1, Direction::Forward) if event < self.events => end_of(unit),
-            Move::Granularity(1, Direction::Forward) => end_of(unit + 1),
-            Move::Granularity(_, Direction::Forward) if event < self.events => Cursor { unit, event: event + 1 },
-            Move::Granularity(_, Direction::Forward) => Cursor { unit: unit + 1, event: 1 },
-            Move::Granularity(2.., Direction::Back) if event > 1 => Cursor { unit, event: event - 1 },
-            Move::Granularity(_, Direction::Back) => unit.checked_sub(1).map_or(Cursor::default(), end_of),
-        }
-    }
-
-    /// Does the next part of a move; gives it back if it goes on, and as an error if it is only to be waited for.
+    /// Does the next part of a move; returns it if it is unfinished, as an error if it only waits.
     fn proceed(
         &mut self,
         mut pending: PendingMove,
@@ -223,8 +203,9 @@ impl Stops {
         Ok(Some(pending))
     }
 
-    /// What member `index` tells. A click on its plots leads to an event of the stop at hand where these are stepped.
-    fn explained_step(&self, index: usize, focus: Option<Focus>) -> Step {
+    /// The step of member `index`. A click on its plots leads to an event of the current stop if its events are
+    /// stepped.
+    fn explain_member(&self, index: usize, focus: Option<Focus>) -> Step {
         let member = &self.members[index];
         let mut step = member.walk.step(in_frame_t(focus));
         for readout in &mut step.readouts {
@@ -323,7 +304,8 @@ impl Walk for Stops {
     }
 
     fn go(&mut self, to: Move) {
-        self.pending = Some(PendingMove { goal: self.goal(to), phase: Phase::Reach, member: 0, asked: None });
+        let goal = goal(to, self);
+        self.pending = Some(PendingMove { goal, phase: Phase::Reach, member: 0, asked: None });
     }
 
     fn work(&mut self, more: &mut dyn FnMut() -> bool) -> bool {
@@ -373,7 +355,7 @@ impl Walk for Stops {
     }
 
     fn step(&self, focus: Option<Focus>) -> Step {
-        self.explained_step(0, focus)
+        self.explain_member(0, focus)
     }
 
     fn scene(&self, focus: Option<Focus>) -> Scene {
@@ -401,7 +383,7 @@ impl Walk for Stops {
             info: member.walk.info(),
             names: member.names.clone(),
             cursor: member.walk.cursor(),
-            step: self.explained_step(index, focus),
+            step: self.explain_member(index, focus),
             scene: member.walk.scene(in_frame_t(focus)),
             output: member.walk.output(),
             candidates: None,

@@ -9,10 +9,10 @@ use crate::base::Error;
 use crate::data::Clip;
 use crate::products::{Followed, ObjectField, ObjectFrame};
 
-/// What a stage makes of the frames of a clip, worked out frame after frame as far as it is asked for: each as it was known
-/// when its turn was over.
+/// The products of a stage for the frames of a clip, computed frame by frame on demand: each as known at the end of its
+/// frame.
 ///
-/// It comes to the same however often and in whatever order it is asked, so copies share what was worked out.
+/// The result does not depend on the order of requests, so copies share it.
 #[derive(Clone)]
 pub struct Frames(Arc<Mutex<Found>>);
 
@@ -30,7 +30,7 @@ struct Found {
 }
 
 impl Found {
-    /// Works on one frame more. A run that failed begins anew, and comes past the frames that are known.
+    /// Processes one more frame. A failed run starts again and skips the known frames.
     fn advance(&mut self) -> Result<(), Error> {
         let mut run = match self.run.take() {
             Some(run) => run,
@@ -59,7 +59,7 @@ impl fmt::Debug for Frames {
 }
 
 impl Frames {
-    /// What `estimator` makes of `count` frames at most of a clip from frame `first` on.
+    /// The products of `estimator` for at most `count` frames of a clip from frame `first` on.
     ///
     /// # Errors
     /// If it cannot run there.
@@ -76,10 +76,10 @@ impl Frames {
         Ok(Self(Arc::new(Mutex::new(found))))
     }
 
-    /// What was found in frame `t`; nothing behind the end of the run.
+    /// The products of frame `t`; `None` after the end of the run.
     ///
     /// # Errors
-    /// If a frame up to there cannot be read, or the clip is not wanted any more.
+    /// If a frame up to there cannot be read, or the work is cancelled.
     pub fn at(&self, t: usize) -> Result<Option<Arc<ObjectFrame>>, Error> {
         let mut found = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(index) = t.checked_sub(found.first) else { return Ok(None) };

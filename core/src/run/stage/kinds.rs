@@ -25,7 +25,7 @@ impl Stage<DenseFlow> {
     /// The dense flow from frame `t` of a clip to frame `t + 1`.
     ///
     /// # Errors
-    /// If there is no such pair, it cannot be read, it is not wanted any more, or the stage makes no field as it is set.
+    /// If there is no such pair, it cannot be read, the work is cancelled, or the stage makes no field as it is set.
     pub fn flow(&self, clip: &Clip, t: usize, threads: &Threads) -> Result<Flow, Error> {
         let output = self.estimator.run(clip, t, threads)?;
         output.flow().filter(|_| output.motion().is_field()).ok_or_else(|| {
@@ -62,7 +62,7 @@ impl Stage<Disparities> {
     /// The disparities of frame `t` of a clip.
     ///
     /// # Errors
-    /// If it cannot be read, or is not wanted any more.
+    /// If it cannot be read, or the work is cancelled.
     pub fn disparities(&self, clip: &Clip, t: usize, threads: &Threads) -> Result<DisparityField, Error> {
         let output = self.estimator.run(clip, t, threads)?;
         output.get().cloned().ok_or_else(|| {
@@ -88,7 +88,7 @@ impl Stage<GlobalModel> {
     /// The motion from frame `t` of a clip to frame `t + 1`.
     ///
     /// # Errors
-    /// If there is no such pair, it cannot be read, or it is not wanted any more.
+    /// If there is no such pair, it cannot be read, or the work is cancelled.
     pub fn model(&self, clip: &Clip, t: usize, threads: &Threads) -> Result<ModelField, Error> {
         let output = self.estimator.run(clip, t, threads)?;
         output.get().cloned().ok_or_else(|| {
@@ -152,7 +152,7 @@ impl ByFrame for Masks {}
 impl ByFrame for Tracks {}
 
 impl<M: ByFrame> Stage<M> {
-    /// What it makes of `count` frames at most from frame `first` of a clip on.
+    /// Its products for at most `count` frames of a clip from frame `first` on.
     ///
     /// # Errors
     /// If it cannot run there.
@@ -172,7 +172,7 @@ impl Makes for FeatureTracks {
     const WORDS: &'static str = "feature tracks";
 
     fn lacks(estimator: &dyn AnyEstimator) -> Option<&'static str> {
-        // What is placed by hand is a single one.
+        // A figure placed by hand allows a single object.
         let is_placed = estimator.specs().iter().any(|spec| matches!(spec.kind, Kind::Placed(_)));
         is_placed.then_some("follows what is placed on the picture")
     }

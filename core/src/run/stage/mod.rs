@@ -39,8 +39,8 @@ use chosen::Chosen;
 
 /// The requirement on the estimators that can be a stage.
 pub trait Makes: Clone + Copy + fmt::Debug + Send + Sync + 'static {
-    /// What is asked for, in one word. An estimator with a stage of this kind, or with one that can come to contain such a
-    /// stage, cannot be one itself: so no estimator contains itself.
+    /// The kind of product asked for, in one word. An estimator with a stage of this kind, or with one that can come to
+    /// contain such a stage, cannot be one itself: so no estimator contains itself.
     const ASKS: &'static str;
     /// The product that they make above all.
     const PRODUCT: &'static ProductKind;
@@ -53,7 +53,7 @@ pub trait Makes: Clone + Copy + fmt::Debug + Send + Sync + 'static {
     /// Parameters that the parent decides: of a stage they are not shown, and cannot be set.
     const DECIDED: &'static [&'static str] = &[];
 
-    /// Why an estimator that makes that product cannot be one, if it cannot: what it is.
+    /// Why an estimator with that product cannot be such a stage, if it cannot, as a phrase.
     fn lacks(_estimator: &dyn AnyEstimator) -> Option<&'static str> {
         None
     }

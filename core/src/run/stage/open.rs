@@ -22,7 +22,7 @@ pub struct Opened {
 /// Opens the stage that is parameter `index` of `parent`, whose run on `clip` began on frame `first` and works on frame `now`.
 ///
 /// A stage that goes through the clip begins where its parent began, or later if it depends on few earlier frames
-/// ([`AnyEstimator::earlier_frames`]), and stands at the end of the frame at hand; one that looks at a pair runs on the pair that its
+/// ([`AnyEstimator::earlier_frames`]), and stands at the end of the current frame; one that looks at a pair runs on the pair that its
 /// parent looks at, from its start. `None` if that parameter is no stage.
 ///
 /// # Errors
@@ -37,7 +37,7 @@ pub fn open(
     let begin = estimator.earlier_frames().map_or(first, |earlier| first.max(now.saturating_sub(earlier)));
     let units = estimator.units_of(clip.size(), now.saturating_sub(begin) + 1);
     let view = if units.is_some() { None } else { parent.stage_view(clip, now)? };
-    // What its parent decides is as its parent has it.
+    // Parameters decided by the parent keep the parent's values.
     let given = |name: &str| {
         let set = view.iter().flat_map(|view| &view.set).find(|(other, _)| *other == name);
         set.map(|(_, value)| value.clone()).or_else(|| parent.get(name).ok())
@@ -78,7 +78,6 @@ fn stage_of(parent: &dyn AnyEstimator, index: usize) -> Option<Box<dyn AnyEstima
     estimator_of(&value).map(AnyEstimator::boxed_clone)
 }
 
-/// The parameters of its stage that a parent decides.
 fn decided_by(parent: &dyn AnyEstimator, index: usize) -> &'static [&'static str] {
     match parent.value(index) {
         Value::Stage(value) => chosen::decided(&value),
