@@ -1,4 +1,4 @@
-//! What the estimators of a family share: a folder for each method, of which several are made.
+//! Methods shared by the estimators of a family, one folder each.
 
 pub(crate) mod alignment;
 pub(crate) mod block_search;

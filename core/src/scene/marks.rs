@@ -71,6 +71,26 @@ impl Shape {
         Shape::Rect { min, max: [min[0] + width as f32, min[1] + height as f32] }
     }
 
+    /// An open line through these points.
+    pub fn line(points: Vec<[f32; 2]>) -> Self {
+        Shape::Path { points, closed: false }
+    }
+
+    /// A closed line through these points.
+    pub fn outline(points: Vec<[f32; 2]>) -> Self {
+        Shape::Path { points, closed: true }
+    }
+
+    /// A circle with its radius in px.
+    pub fn circle(center: [f32; 2], radius: f32) -> Self {
+        Shape::Ellipse { center, radii: [radius; 2], angle_rad: 0.0 }
+    }
+
+    /// Values of all pixels of the picture; NaN where there is none.
+    pub fn heat(values: Grid<f32>) -> Self {
+        Shape::Heat { origin: [0.0; 2], values }
+    }
+
     /// Whether it can be drawn: every number of its geometry is finite.
     pub fn is_finite(&self) -> bool {
         match self {
@@ -248,6 +268,12 @@ impl Scene {
     /// Adds a mark on top of the others.
     pub fn mark(&mut self, on: Picture, role: Role, shape: Shape) {
         self.marks.push(Mark { on, role, of: None, shape });
+    }
+
+    /// Adds a mark, with the meaning of its role to the legend.
+    pub fn draw(&mut self, on: Picture, (role, meaning): (Role, &'static str), shape: Shape) {
+        self.mark(on, role, shape);
+        self.legend(role, meaning);
     }
 
     /// Adds a mark that belongs to object `id`, which has a colour of its own, on top of the others.

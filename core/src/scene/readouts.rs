@@ -172,6 +172,36 @@ pub struct Tile {
     pub framed: Vec<Framed>,
 }
 
+impl Tile {
+    /// A tile without role and frames.
+    pub fn new(label: &'static str, values: Grid<f32>, range: [f32; 2]) -> Self {
+        Self { label, role: None, values, range, framed: Vec::new() }
+    }
+
+    /// A tile of gray levels, 0 to 255.
+    pub fn gray(label: &'static str, values: Grid<f32>) -> Self {
+        Self::new(label, values, [0.0, 255.0])
+    }
+
+    /// A tile of values from 0 to the largest one, which counts as at least 1.
+    pub fn positive(label: &'static str, values: Grid<f32>) -> Self {
+        let most = values.cells().iter().filter(|v| v.is_finite()).fold(1.0, |most, v| v.max(most));
+        Self::new(label, values, [0.0, most])
+    }
+
+    /// A tile of values of both signs, up to the largest absolute value, which counts as at least 1.
+    pub fn signed(label: &'static str, values: Grid<f32>) -> Self {
+        let most = values.cells().iter().filter(|v| v.is_finite()).fold(1.0, |most, v| v.abs().max(most));
+        Self::new(label, values, [-most, most])
+    }
+
+    /// Returns the tile with a role.
+    #[must_use]
+    pub fn with_role(self, role: Role) -> Self {
+        Self { role: Some(role), ..self }
+    }
+}
+
 /// Pixels of a [`Tile`] with a meaning.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Framed {
@@ -205,6 +235,40 @@ pub struct Matrix {
 }
 
 impl Matrix {
+    /// A matrix without role, labels and changes.
+    pub fn new(symbol: &'static str, name: &'static str, entries: Grid<f64>) -> Self {
+        let (rows, columns) = (Vec::new(), Vec::new());
+        Self { symbol, name, role: None, entries, rows, columns, changed: None, decimals: None }
+    }
+
+    /// A matrix with these rows of entries.
+    pub fn of_rows<const WIDTH: usize>(symbol: &'static str, name: &'static str, rows: &[[f64; WIDTH]]) -> Self {
+        Self::new(symbol, name, Grid::from_fn(WIDTH, rows.len(), |x, y| rows[y][x]))
+    }
+
+    /// A column vector.
+    pub fn column(symbol: &'static str, name: &'static str, entries: &[f64]) -> Self {
+        Self::new(symbol, name, Grid::from_fn(1, entries.len(), |_, y| entries[y]))
+    }
+
+    /// Returns the matrix with a role.
+    #[must_use]
+    pub fn with_role(self, role: Role) -> Self {
+        Self { role: Some(role), ..self }
+    }
+
+    /// Returns the matrix with labels of its rows.
+    #[must_use]
+    pub fn with_rows(self, labels: impl IntoIterator<Item: Into<String>>) -> Self {
+        Self { rows: labels.into_iter().map(Into::into).collect(), ..self }
+    }
+
+    /// Returns the matrix with labels of its columns.
+    #[must_use]
+    pub fn with_columns(self, labels: impl IntoIterator<Item: Into<String>>) -> Self {
+        Self { columns: labels.into_iter().map(Into::into).collect(), ..self }
+    }
+
     /// Returns the matrix with entries of that many decimals.
     #[must_use]
     pub fn with_decimals(self, decimals: usize) -> Self {
@@ -254,6 +318,16 @@ pub struct Series {
 }
 
 impl Series {
+    /// Lines over x, from 0 or 1 to `x_max`, under the labels of the x and of the y axis.
+    pub fn new(
+        title: &'static str,
+        [x_label, y_label]: [&'static str; 2],
+        x_max: usize,
+        lines: Vec<(&'static str, Role, Vec<[f32; 2]>)>,
+    ) -> Self {
+        Self { title, x_label, y_label, x_max, lines, ..Self::default() }
+    }
+
     /// The points of a line that shows values at x = 1, 2, … as bars from 0: it is broken between them.
     pub fn bars(values: impl Iterator<Item = f32>) -> Vec<[f32; 2]> {
         let bar = |(i, value): (usize, f32)| [f32::NAN, 0.0, value].map(|y| [(i + 1) as f32, y]);

@@ -71,7 +71,8 @@ impl BlockSearch for AdaptiveRood {
         let (cost, most) = (tester.best_distortion(), tester.cost_of_levels(self.zero_motion_threshold));
         if cost <= most {
             let settings = tester.settings;
-            return tester.report(|| settings.compared(Step::at(line::STOP_IF_STILL), cost, most).say(case::STATIC));
+            return tester
+                .report(|| settings.tell_comparison(Step::at(line::STOP_IF_STILL), cost, most).say(case::STATIC));
         }
         let predicted = tester.neighbours.left.map(|left| left.displacement);
         let arm = predicted.map_or(2, |[u, v]| u.abs().max(v.abs()));

@@ -89,7 +89,7 @@ impl BlockSearch for FullSearch {
         };
         let summed = kind.sum().inspect(|&sum| match sum {
             Sum::Absolute => cost::window(cut, area, window.size, &mut work.sums),
-            Sum::Squared => work.windows.squared(cut, area, window.size, &mut work.sums),
+            Sum::Squared => work.windows.squared_differences(cut, area, window.size, &mut work.sums),
         });
         if let Some(sum) = summed.filter(|_| rate.lambda == 0.0) {
             let scan = Scan { window, order, costs: &work.sums[..], most: u32::MAX, of: |sum| kind.of(sum, block) };
@@ -122,7 +122,7 @@ impl BlockSearch for FullSearch {
     }
 }
 
-/// Candidates skipped at once where none of them can be the minimum.
+/// Number of candidates skipped at once if none of them can be the minimum.
 const RUN: usize = 16;
 
 /// The costs of all candidates of a search window, or sums from which they follow.

@@ -109,7 +109,6 @@ impl State {
         finer.chain(self.line(self.level, self.index())).collect()
     }
 
-    /// The first unit of a level.
     fn first_unit(&self, level: usize) -> usize {
         self.levels[level + 1..].iter().map(|pair| pair.blocks.len()).sum()
     }
@@ -142,7 +141,6 @@ impl State {
         (1u32 << self.level) as f32
     }
 
-    /// Adds the match of the next block.
     fn push(&mut self, (found, tested): (Match, usize)) -> Progress {
         self.found[self.level].push((found, tested as u32));
         if self.index() < self.pair().blocks.len() {

@@ -165,7 +165,7 @@ impl Predictive {
         let squares = (1..=self.fixed_squares as i32).map(move |n| n * step).take_while(move |&side| side <= range);
         let fixed = squares.flat_map(|side| SQUARE[1..].iter().map(move |[u, v]| [side * u, side * v]));
         tester.stage(fixed, || {
-            let told = settings.compared(Step::at(line::TEST_FIXED), cost, poor);
+            let told = settings.tell_comparison(Step::at(line::TEST_FIXED), cost, poor);
             told.put(value::STEP, step).say(case::FIXED_PREDICTORS)
         });
         let lines = Descent { test: line::TEST_LARGE_DIAMOND, decide: line::UNTIL_CENTER_STAYS };
@@ -206,12 +206,13 @@ fn test_predictors(tester: &mut Tester<impl Observer<Event>>) {
     });
 }
 
-/// Whether the search stops, as `told` at `line`, because the best match so far does not exceed a threshold.
+/// Whether the best match so far does not exceed a threshold, so that the search stops; `told` is the reason, at
+/// `line`.
 fn stops(tester: &mut Tester<impl Observer<Event>>, threshold: f64, line: Name, told: &'static Case) -> bool {
     let (settings, cost) = (tester.settings, tester.best_distortion());
     let stops = cost <= threshold;
     if stops {
-        tester.report(|| settings.compared(Step::at(line), cost, threshold).say(told));
+        tester.report(|| settings.tell_comparison(Step::at(line), cost, threshold).say(told));
     }
     stops
 }

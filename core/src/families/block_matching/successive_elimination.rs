@@ -101,7 +101,8 @@ impl SuccessiveElimination {
         let parts = sums.parts(&tester.work.patch.block);
         let (window, elimination) = (tester.window, Elimination { sum, sums: &sums, parts: &parts });
         for row in 0..window.size.1 {
-            // The limit only falls along the row: what it excludes now stays excluded. Bounds that are watched are told one by one.
+            // The limit only falls along the row, so excluded candidates stay excluded. An observer gets each bound by
+            // itself.
             let excluded = if O::WATCHES { 0 } else { elimination.excluded(tester, row) };
             let runs = (0..window.size.0).step_by(LANES).enumerate();
             for (_, first) in runs.filter(|(run, _)| *run >= 64 || excluded >> run & 1 == 0) {
@@ -117,7 +118,7 @@ impl SuccessiveElimination {
         });
     }
 
-    /// The sums of the area under the search window alone, for a block of a frame whose sums are not at hand.
+    /// The sums of the area under the search window alone, for a block of a frame without precomputed sums.
     fn sums_of_window(&self, tester: &Tester<impl Observer<Event>>) -> PartSums {
         let (mut patch, block, min) = (Patch::default(), tester.block, tester.window.min);
         patch.take_area(tester.pair, block, tester.window);
@@ -126,7 +127,6 @@ impl SuccessiveElimination {
     }
 }
 
-/// Tests every candidate.
 fn test_all(tester: &mut Tester<impl Observer<Event>>) {
     let (window, label) = (tester.window, tester.settings.matching.cost.label());
     let all = (0..window.count()).map(|index| window.displacement(index));
@@ -148,7 +148,8 @@ struct Elimination<'a> {
 }
 
 impl Elimination<'_> {
-    /// Which runs of a row of the search window the sum of the whole block excludes, a bit for each of the first 64.
+    /// The runs of a row of the search window that the sum of the whole block excludes: one bit for each of the first
+    /// 64.
     fn excluded(&self, tester: &Tester<impl Observer<Event>>, row: usize) -> u64 {
         let (block, window) = (tester.block, tester.window);
         let [x, y] = [block.x as isize + window.min[0] as isize, block.y as isize + window.min[1] as isize];

@@ -152,7 +152,7 @@ impl RobustModel for EpipolarGeometry {
 
     fn conclusion(&self, step: Step, estimate: &Estimate<'_>) -> Step {
         let (step, planarity) = (step.say(case::DISTANCE), self.planarity(estimate));
-        let Some(planar) = planarity else { return self.posed(step, estimate, false).say(case::MOVING_OBJECTS) };
+        let Some(planar) = planarity else { return self.tell_pose(step, estimate, false).say(case::MOVING_OBJECTS) };
         let unexplained = planar.inliers - planar.explained;
         let step = step.put(value::ON_PLANE, 100.0 * planar.share).put(value::EXPLAINED, planar.explained);
         let step = step.put(value::HOMOGRAPHY_CRITERION, planar.of_homography).put(value::UNEXPLAINED, unexplained);
@@ -169,7 +169,7 @@ impl RobustModel for EpipolarGeometry {
         };
         let step = doubt.into_iter().fold(step, Step::say);
         // A doubt about F is one about the pose.
-        self.posed(step, estimate, doubt.is_some()).say(case::MOVING_OBJECTS)
+        self.tell_pose(step, estimate, doubt.is_some()).say(case::MOVING_OBJECTS)
     }
 
     fn formulas(&self, step: Step, estimate: &Estimate<'_>) -> Step {
@@ -201,12 +201,11 @@ impl RobustModel for EpipolarGeometry {
             for (on, epipole) in [Picture::CURRENT, Picture::NEXT].into_iter().zip(found) {
                 let inside = on_plane(epipole).filter(|at| is_inside(*at, size));
                 if let Some(at) = inside {
-                    scene.mark(on, Role::Best, Shape::Points(vec![at.map(|c| c as f32)]));
-                    scene.legend(Role::Best, "epipole");
+                    scene.draw(on, (Role::Best, "epipole"), Shape::Points(vec![at.map(|c| c as f32)]));
                 }
             }
         }
-        // Those of a few matches, where no point is pointed at.
+        // Without a point pointed at, the lines of a few matches.
         const SHOWN: usize = 8;
         let few = estimate.points.iter().step_by(estimate.points.len().div_ceil(SHOWN).max(1));
         let lines: Vec<(Picture, [f64; 3])> = match focus {
@@ -219,12 +218,10 @@ impl RobustModel for EpipolarGeometry {
                 .collect(),
         };
         if let Some(Focus { on, at, .. }) = focus {
-            scene.mark(on, Role::Reference, Shape::Ellipse { center: at, radii: [3.0; 2], angle_rad: 0.0 });
-            scene.legend(Role::Reference, "point, whose match lies on the epipolar line");
+            scene.draw(on, (Role::Reference, "point, whose match lies on the epipolar line"), Shape::circle(at, 3.0));
         }
         for (on, ends) in lines.into_iter().filter_map(|(on, line)| Some((on, cut(line, size)?))) {
-            scene.mark(on, Role::Predicted, Shape::Path { points: ends.to_vec(), closed: false });
-            scene.legend(Role::Predicted, "epipolar line");
+            scene.draw(on, (Role::Predicted, "epipolar line"), Shape::line(ends.to_vec()));
         }
     }
 }
@@ -255,7 +252,7 @@ impl EpipolarGeometry {
     }
 
     /// Tells the pose of the camera, or why it is rejected; `is_doubted` if it is as uncertain as F.
-    fn posed(&self, step: Step, estimate: &Estimate<'_>, is_doubted: bool) -> Step {
+    fn tell_pose(&self, step: Step, estimate: &Estimate<'_>, is_doubted: bool) -> Step {
         let Some(pose) = self.pose(estimate) else {
             return step.say(if is_doubted { case::NO_POSE_DOUBTED } else { case::NO_POSE });
         };

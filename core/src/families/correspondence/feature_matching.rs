@@ -60,7 +60,6 @@ impl State {
         outcome.matched(here, index, there)
     }
 
-    /// The matches so far.
     fn matches(&self) -> impl Iterator<Item = Match> {
         let outcomes = self.found.iter().enumerate();
         outcomes.filter_map(|(index, outcome)| Some(self.match_of(index, outcome.as_ref()?)))

@@ -49,7 +49,7 @@ pub struct Pair {
     truth: Option<Arc<Flow>>,
 }
 
-/// What became of a keypoint of the first frame of a pair.
+/// The outcome for a keypoint of the first frame of a pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Linked {
     /// Its index.
@@ -105,7 +105,6 @@ impl FeatureTracker {
         winners.into_iter().map(|winner| winner.map(|(index, _)| index)).collect()
     }
 
-    /// Processes a pair of frames.
     fn work(
         &self,
         clip: &Clip,
@@ -138,7 +137,7 @@ impl FeatureTracker {
         Ok(if state.span.is_over(clip, state.frame + 1) { Progress::Done } else { Progress::More })
     }
 
-    /// Stores what became of a keypoint; returns its track, if it has one.
+    /// Stores the outcome for a keypoint; returns its track, if it has one.
     fn note(state: &mut State, pair: &Pair, linked: &Linked) -> Option<u32> {
         let at = pair.sides[0].points[linked.index].at;
         let number = match (linked.track, linked.to) {

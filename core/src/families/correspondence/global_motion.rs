@@ -144,7 +144,7 @@ impl RobustModel for GlobalMotion {
 
     fn conclusion(&self, step: Step, estimate: &Estimate<'_>) -> Step {
         let Some(Best { matrix, score }) = estimate.best else { return step };
-        let step = self.described(step, &matrix);
+        let step = self.tell_motion(step, &matrix);
         let step = match self.error(estimate) {
             Some(error) => step.put(value::ENDPOINT_ERROR, error).say(case::ERROR),
             None => step,
@@ -183,8 +183,7 @@ impl RobustModel for GlobalMotion {
         let roles = [(Role::Reference, "outline of frame t"), (Role::Window, "outline of frame t+1")];
         for ((role, meaning), corners) in roles.into_iter().zip(outlines(estimate.size(), &matrix)) {
             let points = corners.into_iter().map(|at| at.map(|c| c as f32)).collect();
-            scene.mark(MOSAIC, role, Shape::Path { points, closed: true });
-            scene.legend(role, meaning);
+            scene.draw(MOSAIC, (role, meaning), Shape::outline(points));
         }
     }
 
@@ -194,7 +193,7 @@ impl RobustModel for GlobalMotion {
             && let Some(to) = mapped(&matrix, at.map(f64::from))
         {
             for (on, center) in [(Picture::CURRENT, at), (Picture::NEXT, to.map(|c| c as f32))] {
-                scene.mark(on, Role::Best, Shape::Ellipse { center, radii: [3.0; 2], angle_rad: 0.0 });
+                scene.mark(on, Role::Best, Shape::circle(center, 3.0));
             }
             scene.legend(Role::Best, "pixel pointed at, and H x");
         }
@@ -240,7 +239,7 @@ impl GlobalMotion {
     }
 
     /// Tells the motion: translation, and rotation and scale where these are defined.
-    fn described(&self, step: Step, matrix: &Matrix3) -> Step {
+    fn tell_motion(&self, step: Step, matrix: &Matrix3) -> Step {
         let [[a, _, u], [c, _, v], _] = *matrix;
         let moved = |step: Step| step.put(value::TRANSLATION, [u, v]);
         let turned = |step: Step| moved(step).put(value::ROTATION, c.atan2(a).to_degrees());
@@ -256,7 +255,6 @@ impl GlobalMotion {
     }
 }
 
-/// The gray levels of both frames.
 fn lumas<'a>(estimate: &'a Estimate<'_>) -> [&'a Gray; 2] {
     estimate.pair.frames.each_ref().map(|frame| frame.luma())
 }
@@ -270,7 +268,6 @@ fn draw_outline((width, height): (usize, usize), matrix: &Matrix3, scene: &mut S
     let reach = 4.0 * right.max(bottom);
     if moved.iter().flatten().all(|c| c.abs() < reach) {
         let points = moved.into_iter().map(|at| at.map(|c| c as f32)).collect();
-        scene.mark(Picture::NEXT, Role::Window, Shape::Path { points, closed: true });
-        scene.legend(Role::Window, "outline of frame t");
+        scene.draw(Picture::NEXT, (Role::Window, "outline of frame t"), Shape::outline(points));
     }
 }

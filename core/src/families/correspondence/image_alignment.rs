@@ -149,7 +149,7 @@ impl State {
         ModelField {
             picture: self.fixed.pair[0].size(),
             model,
-            // Where no level has an update, nothing is known.
+            // Without an update on any level, nothing is known.
             matrix: (!self.is_over || self.updates > 0).then_some(self.matrix),
             iterations: self.errors.len(),
             residual_px: None,
@@ -169,7 +169,7 @@ impl State {
 }
 
 impl ImageAlignment {
-    /// The alignment of the level at hand.
+    /// The alignment of the current level.
     fn aligner<'a>(&self, state: &'a State) -> Aligner<'a> {
         let level = state.level();
         Aligner { model: self.model, template: &level.pictures[0], gradients: level.gradients() }
@@ -183,7 +183,7 @@ impl ImageAlignment {
         }
     }
 
-    /// Works out what all iterations on a level share; gives whether its texture determines the warp.
+    /// Computes the data shared by all iterations on a level; returns whether its texture determines the warp.
     fn begin_level(&self, state: &mut State, report: &mut impl FnMut(Stage, &State)) -> bool {
         (state.compared, state.increment, state.before) = (None, None, state.matrix);
         report(Stage::SteepestDescent, state);

@@ -151,7 +151,6 @@ impl State {
         [signed(x, width), signed(y, height)]
     }
 
-    /// The height of the correlation at a displacement.
     fn height_at(&self, [u, v]: [i32; 2]) -> f64 {
         let (width, height) = self.size();
         let place = (u.rem_euclid(width as i32) as usize, v.rem_euclid(height as i32) as usize);
@@ -168,7 +167,7 @@ impl State {
         Some(self.height_at(self.wrapped(self.peak?)) / self.sigma())
     }
 
-    /// Whether the peak is higher than those of frames that have nothing in common.
+    /// Whether the peak exceeds the peaks of unrelated frames.
     fn is_significant(&self) -> bool {
         self.sigmas().is_some_and(|sigmas| sigmas >= self.least_sigmas)
     }
@@ -234,7 +233,6 @@ impl PhaseCorrelation {
         (if self.hann { OF_HANN * highest } else { highest }).min(MOST * count.sqrt())
     }
 
-    /// Performs a stage.
     fn perform(&self, state: &mut State, stage: Stage) {
         let size = state.size();
         let whole = |of: &Option<Arc<Spectrum>>| {
@@ -318,7 +316,7 @@ impl PhaseCorrelation {
     }
 }
 
-/// The larger neighbour of a peak and its side. What the window adds to both sides is subtracted.
+/// The larger neighbour of a peak and its side. The window adds the same to both sides, which is subtracted.
 fn larger_side([before, after]: [f64; 2]) -> (f64, f64) {
     if after > before { (after - before.max(0.0), 1.0) } else { (before - after.max(0.0), -1.0) }
 }
@@ -418,7 +416,7 @@ impl Estimator for PhaseCorrelation {
 
 impl Footprint<State> for PhaseCorrelation {
     fn need(&self, clip: &Clip) -> Need {
-        // Three pictures of complex numbers, and a fourth while one is made; checkpoints keep their own.
+        // Three pictures of complex numbers, and a fourth while one is computed; checkpoints keep their own.
         Need::per_pixel(clip, [16.0 * 5.0, 16.0 * 12.0])
     }
 

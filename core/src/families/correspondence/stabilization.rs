@@ -72,7 +72,7 @@ pub enum Event {
 }
 
 impl Stabilization {
-    /// The map from a frame to its stabilised one, given that to its place on the smoothed path.
+    /// The map from a frame to its stabilised version, given the map to its place on the smoothed path.
     fn zoomed(&self, chain: &Chain, smooth: &Matrix3) -> Matrix3 {
         let factor = 1.0 + f64::from(self.zoom) / 100.0;
         let [x, y] = middle(chain.picture);

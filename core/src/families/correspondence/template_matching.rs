@@ -91,7 +91,6 @@ pub struct Template {
 }
 
 impl Template {
-    /// Cuts a template out of a frame.
     fn cut(luma: &Gray, frame: usize, at: [i32; 2], (width, height): (usize, usize)) -> Self {
         let pixels = window(luma, at, (width, height));
         let anchor = [width, height].map(|side| (side as f32 - 1.0) / 2.0);
@@ -158,7 +157,6 @@ impl Pair {
         a < b || (a == b && length(place) < length(than))
     }
 
-    /// The better of the best place so far and another.
     fn better(&self, best: Option<(usize, usize)>, place: (usize, usize)) -> (usize, usize) {
         best.filter(|&best| !self.is_better(place, best)).unwrap_or(place)
     }
@@ -246,7 +244,7 @@ impl Found {
         self.pair.displacement(self.best).iter().any(|along| along.unsigned_abs() as usize == range)
     }
 
-    /// How many times better the best peak is than the second: ratio of scores, or of costs.
+    /// The ratio of the scores, or of the costs, of the best and the second peak; larger is clearer.
     fn ratio(&self, score: Score) -> Option<f64> {
         let [best, second] = [self.pair.costs[self.best], self.pair.costs[self.second?]];
         let ratio = if score.is_similarity() { (1.0 - best) / (1.0 - second) } else { second / best };
@@ -336,7 +334,6 @@ impl TemplateMatching {
         best
     }
 
-    /// Decides on the best place of the pair.
     fn decide(&self, state: &State, pair: &Arc<Pair>, best: (usize, usize)) -> Found {
         let (fraction, around) = place::subpixel(&pair.costs, best);
         let (corner, anchor) = (pair.corner(best), state.template.anchor);

@@ -12,11 +12,11 @@ use crate::base::{Error, Mapped, Observer, Tally, Threads};
 use crate::data::{Clip, Frame};
 use crate::geometry::Grid;
 use crate::methods::features::{
-    KEPT, Selection, choose,
+    KEPT, Scan, Selection, Stage, choose,
     segment::{self, Candidate, SegmentTest},
     value as features,
 };
-use crate::products::{Feature, Keypoint, Output, PointField, Product, ProductKind};
+use crate::products::{Output, PointField, Product, ProductKind};
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
 use crate::scene::{Chart, Focus, Question, Reply, Role, Scene, Step, Unit};
 use crate::{cases, params, pseudocode, variables};
@@ -140,31 +140,8 @@ cases! { over value, features;
                    {local_maxima:bare} non-maximum suppression.",
 }
 
-/// The state of a run.
-#[derive(Clone)]
-pub struct State {
-    /// Frame t.
-    picture: Arc<Frame>,
-    /// The scores; 0 where there is no corner, and in rows not yet tested.
-    scores: Arc<Grid<u8>>,
-    stage: Stage,
-    /// The next row of this stage.
-    row: usize,
-    /// The corners that are not suppressed; once ranked, in order of decreasing score.
-    peaks: Vec<u32>,
-    kept: Vec<u32>,
-}
-
-/// The stages of a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Stage {
-    /// The segment test, a row per unit.
-    Test,
-    /// Non-maximum suppression, a row per unit.
-    Suppression,
-    /// Selection by score and distance, in one unit.
-    Choice,
-}
+/// The state of a run; the responses are the scores.
+type State = Scan<u8>;
 
 /// An event of a unit.
 #[derive(Clone, Copy, Debug)]
@@ -183,49 +160,11 @@ pub enum Event {
     Peak(u32, Option<u32>),
 }
 
-impl State {
-    fn new(clip: &Clip, frame: usize) -> Result<Self, Error> {
-        let picture = clip.frame(frame)?;
-        let (width, height) = picture.size();
-        let scores = Arc::new(Grid::new(width, height, 0));
-        Ok(Self { picture, scores, stage: Stage::Test, row: 0, peaks: Vec::new(), kept: Vec::new() })
-    }
-
-    /// Returns the position of a row-major index.
-    fn place(&self, index: u32) -> (usize, usize) {
-        let width = self.scores.width();
-        (index as usize % width, index as usize / width)
-    }
-
-    fn next_row(&mut self, then: Stage) -> Progress {
-        self.row += 1;
-        if self.row == self.scores.height() {
-            (self.stage, self.row) = (then, 0);
-        }
-        Progress::More
-    }
-
-    /// Returns the corners as features.
-    fn features(&self) -> PointField {
-        let feature = |&index: &u32| {
-            let (x, y) = self.place(index);
-            Feature::found([x as f32, y as f32])
-        };
-        let keypoint = |&index: &u32| Keypoint::of_response(self.scores.cells()[index as usize].into());
-        PointField {
-            picture: self.scores.size(),
-            points: self.kept.iter().map(feature).collect(),
-            keypoints: self.kept.iter().map(keypoint).collect(),
-        }
-    }
-}
-
 impl Fast {
     fn test(&self) -> SegmentTest {
         SegmentTest { threshold: self.threshold as u8, arc: self.arc }
     }
 
-    /// Tests the pixels of row `y`.
     fn test_row(&self, picture: &Frame, y: usize, scores: &mut [u8], observer: &mut impl Observer<Event>) {
         observer.see(|| Event::Row);
         self.test().row(picture.luma(), y, scores, &mut Mapped { observer, map: Event::Tested });
@@ -244,7 +183,7 @@ impl Fast {
 
     /// Selects the corners of the highest scores with the minimum distance.
     fn choose(&self, state: &mut State, observer: &mut impl Observer<Event>) {
-        let State { scores, peaks, .. } = state;
+        let State { map: scores, peaks, .. } = state;
         peaks.sort_unstable_by_key(|&peak| (Reverse(scores.cells()[peak as usize]), peak));
         observer.see(|| Event::Ranked);
         let tested = |peak, near| observer.see(|| Event::Peak(peak, near));
@@ -252,7 +191,7 @@ impl Fast {
     }
 }
 
-/// Whether anything that `observer` is shown is seen.
+/// Whether `observer` sees any event.
 fn watches<O: Observer<Event>>(_: &O) -> bool {
     O::WATCHES
 }
@@ -296,20 +235,20 @@ impl Estimator for Fast {
     type Event = Event;
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
-        State::new(clip, frame)
+        Ok(State::new(clip.frame(frame)?))
     }
 
     fn advance(&self, _: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
         match state.stage {
-            Stage::Test => {
-                let State { picture, scores, row, .. } = state;
-                self.test_row(picture, *row, Arc::make_mut(scores).row_mut(*row), observer);
-                Ok(state.next_row(Stage::Suppression))
+            Stage::Response => {
+                let State { picture, map, row, .. } = state;
+                self.test_row(picture, *row, Arc::make_mut(map).row_mut(*row), observer);
+                Ok(state.next_row())
             }
             Stage::Suppression => {
-                let State { scores, row, peaks, .. } = state;
-                self.suppress(scores, *row, peaks, observer);
-                Ok(state.next_row(Stage::Choice))
+                let State { map, row, peaks, .. } = state;
+                self.suppress(map, *row, peaks, observer);
+                Ok(state.next_row())
             }
             Stage::Choice => {
                 self.choose(state, observer);
@@ -319,13 +258,11 @@ impl Estimator for Fast {
     }
 
     fn units(&self, state: &State) -> Option<usize> {
-        Some(2 * state.scores.height() + 1)
+        Some(state.units())
     }
 
     fn place(&self, state: &State) -> Vec<Granularity> {
-        let granularity = |index, of| Granularity { index, of: Some(of) };
-        let rows = if state.stage == Stage::Choice { 1 } else { state.scores.height() };
-        vec![granularity(0, 1), granularity(state.stage as usize, 3), granularity(state.row, rows)]
+        state.granularities()
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
@@ -355,8 +292,8 @@ impl Estimator for Fast {
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
         clip.wanted()?;
-        let mut state = State::new(clip, frame)?;
-        let (width, height) = state.scores.size();
+        let mut state = State::new(clip.frame(frame)?);
+        let (width, height) = state.map.size();
         let (rows, mut scores) = (threads.rows_at_once(height), Grid::new(width, height, 0));
         let parts = scores.cells_mut().chunks_mut(rows * width).enumerate().collect();
         threads.each(parts, |(i, part): (usize, &mut [u8])| {
@@ -371,8 +308,8 @@ impl Estimator for Fast {
             found
         };
         let of_rows = threads.map_while(height.div_ceil(rows), || clip.wanted(), suppress)?;
-        tally.add_units(2 * height + 1);
-        (state.scores, state.peaks, state.stage) = (Arc::new(scores), of_rows.concat(), Stage::Choice);
+        tally.add_units(state.units());
+        (state.map, state.peaks, state.stage) = (Arc::new(scores), of_rows.concat(), Stage::Choice);
         self.choose(&mut state, &mut tally.counter());
         Ok(state)
     }
@@ -389,19 +326,17 @@ impl Footprint<State> for Fast {
     }
 
     fn state_bytes(&self, state: &State) -> usize {
-        let lists = size_of_val(&state.peaks[..]) + size_of_val(&state.kept[..]);
-        size_of::<State>() + size_of_val(state.scores.cells()) + lists
+        size_of::<State>() + state.bytes()
     }
 }
 
 impl Pointed<State> for Fast {
     fn unit_at(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<usize> {
-        let (_, y) = state.scores.cell_at(point)?;
-        Some(if state.stage == Stage::Test { y } else { state.scores.height() + y })
+        state.unit_at(point)
     }
 
     fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
         // The segment test of a pixel depends on the frame alone.
-        state.scores.cell_at(point).map(|_| Explained::Always)
+        state.map.cell_at(point).map(|_| Explained::Always)
     }
 }

@@ -280,7 +280,6 @@ impl Orb {
         (up_to(level + 1) - up_to(level)) as usize
     }
 
-    /// Resamples a level.
     fn resampled(&self, picture: &Gray, before: Option<&ScaleLevel>) -> ScaleLevel {
         before.map_or_else(|| ScaleLevel::first(picture.clone()), |before| before.next(self.scale_factor))
     }
@@ -305,7 +304,6 @@ impl Orb {
         Level { integral: Integral::of(&of.picture), of, share, found, ranked }
     }
 
-    /// Selects the strongest corners of a level.
     fn selected(&self, (index, level): (usize, &Level), observer: &mut impl Observer<Event>) -> Vec<Corner> {
         let (width, _) = level.of.picture.size();
         let ranked: Vec<u32> = level.ranked.iter().map(|(place, _)| *place).collect();

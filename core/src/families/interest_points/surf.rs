@@ -395,7 +395,7 @@ impl Surf {
                 if !layers[2].fits(sample, state.picture.size()) {
                     continue;
                 }
-                // Which of its neighbours suppresses it is found only where it is looked at.
+                // The suppressing neighbour is determined only for an observer.
                 observer.see(|| Event::Compared(sample, suppressed_by(layers, sample)));
                 if is_suppressed(layers, sample) {
                     continue;
@@ -445,7 +445,6 @@ impl Surf {
         Described { angle_rad, values: values.into() }
     }
 
-    /// Does the work of a part.
     fn work(&self, state: &mut State, observer: &mut impl Observer<Event>) {
         match (state.part(), state.integral.clone()) {
             (Part::Layer(index), Some(integral)) => {
@@ -473,7 +472,6 @@ impl Surf {
     }
 }
 
-/// Reports the steps of a layer.
 fn see_layer(layer: &Arc<Layer>, observer: &mut impl Observer<Event>) {
     observer.see(|| Event::Filtered(Arc::clone(layer)));
     observer.see(|| Event::Down);

@@ -97,7 +97,7 @@ pub struct Comparison {
     limits: [f32; 2],
 }
 
-/// What a part of the edges comes to.
+/// The result of processing a part of the edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Part {
     /// The largest weight of its edges in px/frame.
@@ -189,7 +189,7 @@ impl Data {
 }
 
 impl FlowSegmentation {
-    /// Goes through the next part of the sorted edges.
+    /// Processes the next part of the sorted edges.
     fn merge_part(&self, data: &Data, state: &mut State, observer: &mut impl Observer<Event>) {
         let part = state.counts.len();
         let bound = |part: usize| part * data.edges.len() / PARTS;
@@ -433,10 +433,10 @@ impl Segmenter for FlowSegmentation {
     }
 
     fn explanation(&self, seen: &Seen<SegmentationRun<Self>>) -> Step {
-        self.explained_step(seen)
+        self.explain_step(seen)
     }
 
     fn draw_step(&self, seen: &Seen<SegmentationRun<Self>>, scene: &mut Scene) {
-        self.drawn_step(seen, scene);
+        self.draw_marks(seen, scene);
     }
 }

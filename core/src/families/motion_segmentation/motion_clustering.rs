@@ -129,7 +129,7 @@ pub struct State {
     modes: Vec<Mode>,
     /// The cluster of each point.
     nearest: Arc<Vec<u8>>,
-    /// What is minimised or maximised, after each iteration of the frame.
+    /// The objective after each iteration of the frame.
     progress: Vec<f64>,
 }
 
@@ -152,11 +152,11 @@ pub enum Event {
     Averaged { index: usize, from: Place, to: Place, count: usize },
     /// Responsibilities; number of changes and log-likelihood per pixel.
     Expected(Arc<Vec<u8>>, usize, f64),
-    /// A component is fitted anew.
+    /// A component is refitted.
     Maximized(usize, Arc<Component>),
     /// A window shifts.
     Shifted(Place, Mode),
-    /// A window has come to a mode; its index, and whether it is new.
+    /// A window has converged to a mode; its index, and whether it is new.
     Found(Mode, usize, bool),
     /// The modes with enough support.
     Kept(Vec<Place>),
@@ -459,10 +459,10 @@ impl Segmenter for MotionClustering {
     }
 
     fn explanation(&self, seen: &Seen<SegmentationRun<Self>>) -> Step {
-        self.explained_step(seen)
+        self.explain_step(seen)
     }
 
     fn draw_step(&self, seen: &Seen<SegmentationRun<Self>>, scene: &mut Scene) {
-        self.drawn_step(seen, scene);
+        self.draw_marks(seen, scene);
     }
 }

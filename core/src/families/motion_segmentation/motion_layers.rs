@@ -1,4 +1,4 @@
-//! Motion layers: affine motions of blocks, clustered, assigned to pixels, split and merged until they hold.
+//! Motion layers: affine motions of blocks, clustered, assigned to pixels, split and merged until they are stable.
 
 mod explain;
 mod vocabulary;
@@ -67,7 +67,7 @@ pub struct Block {
     is_kept: bool,
 }
 
-/// What an iteration comes to.
+/// The result of an iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Note {
     layers: usize,
@@ -116,7 +116,7 @@ pub enum Event {
     Assigned { labels: Arc<Grid<u32>>, changed: usize, unexplained: usize },
     /// Connected pixels of no layer become one, with this index.
     Split { index: usize, layer: Layer, labels: Arc<Grid<u32>> },
-    /// The motion of a layer is fitted anew; its old one.
+    /// The motion of a layer is refitted; its old motion.
     Refitted { index: usize, from: Place, layer: Layer },
     /// The segments of the frame, and the motions of the layers.
     Labelled(Arc<SegmentFrame>),
@@ -411,10 +411,10 @@ impl Segmenter for MotionLayers {
     }
 
     fn explanation(&self, seen: &Seen<SegmentationRun<Self>>) -> Step {
-        self.explained_step(seen)
+        self.explain_step(seen)
     }
 
     fn draw_step(&self, seen: &Seen<SegmentationRun<Self>>, scene: &mut Scene) {
-        self.drawn_step(seen, scene);
+        self.draw_marks(seen, scene);
     }
 }

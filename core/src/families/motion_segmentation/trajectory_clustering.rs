@@ -129,7 +129,7 @@ pub struct State {
     done: usize,
 }
 
-/// What happened.
+/// An event of a unit.
 #[derive(Clone)]
 pub enum Event {
     /// The trajectories are there.
@@ -203,7 +203,7 @@ impl TrajectoryClustering {
         Ok(all)
     }
 
-    /// The segment of each trajectory, first of those that are compared, and the number that was looked for.
+    /// The segment of each trajectory, compared ones first, and the number of segments sought.
     fn cluster(&self, compared: &Compared, spectrum: &Spectrum) -> (Vec<u32>, usize) {
         let count = match self.selection {
             // An eigenvalue far below 1 stands for no group of its own.
@@ -381,11 +381,11 @@ impl Estimator for TrajectoryClustering {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        self.told(seen)
+        self.explain_step(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.drawn(seen, scene);
+        self.draw_marks(seen, scene);
     }
 
     fn output(&self, state: &State) -> Output {

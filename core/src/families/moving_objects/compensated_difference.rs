@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use crate::base::{Error, Threads};
 use crate::data::{Clip, Frame, Mask};
 use crate::geometry::Grid;
-use crate::methods::camera_path::{Refused, displacement, matrix, refusal, usable};
+use crate::methods::camera_path::{Refused, displacement, refusal, usable};
 use crate::methods::subtraction::{
     self, Background, CameraMotion, Cases, Comparison, Differencing, Explanation, Exposure, Found, Probe, Settings,
     Setup, Steadiness, automatic_threshold, difference_rule, displaced, noise_of, subtraction_pseudocode,
@@ -14,7 +14,7 @@ use crate::products::model::{IDENTITY, Matrix3, inverse, product};
 use crate::products::registration::{gray_at, inside};
 use crate::products::{ModelField, Support};
 use crate::run::{GlobalModel, Info, Need, Stage, StageView};
-use crate::scene::{Case, Chart, Readout, Role, Step, Unit};
+use crate::scene::{Case, Chart, Matrix, Readout, Role, Step, Unit};
 use crate::{cases, params, variables};
 
 params! {
@@ -257,12 +257,9 @@ impl Background for CompensatedDifference {
             .fact(value::UNSEEN, unseen)
             .fact_if(value::INLIERS, registered.support.map(|support| support.inliers))
             .fact_if(value::MATCHES, registered.support.map(|support| support.matches))
-            .show(Readout::Matrices(vec![matrix(
-                "M",
-                "motion of the background",
-                Role::Predicted,
-                &registered.motion,
-            )]));
+            .show(Readout::Matrices(vec![
+                Matrix::of_rows("M", "motion of the background", &registered.motion).with_role(Role::Predicted),
+            ]));
         match registered.refused {
             _ if registered.is_usable => (step, vec![case::REGISTERED]),
             None => (step, vec![case::UNUSABLE, case::AT_REST]),

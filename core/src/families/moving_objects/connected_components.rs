@@ -253,11 +253,11 @@ impl Estimator for ConnectedComponents {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        self.explained_step(seen)
+        self.explain_step(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.drawn(seen, scene);
+        self.draw_marks(seen, scene);
     }
 
     fn output(&self, state: &State) -> Output {

@@ -84,7 +84,6 @@ impl FlowMagnitude {
         FramePair { at_rest, moved, back }
     }
 
-    /// The threshold on the flow magnitude.
     fn limit(&self) -> Value {
         subtraction::value::THRESHOLD.is(self.threshold).in_unit(Unit::SPEED)
     }

@@ -67,12 +67,12 @@ pub struct Samples {
     frames: usize,
 }
 
-/// What samples say of a pixel.
+/// The number of samples near a pixel's value.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Near {
     /// The samples within the threshold.
     all: usize,
-    /// Those of them that are background.
+    /// Number of near samples that are background.
     background: usize,
 }
 
@@ -125,7 +125,8 @@ impl KnnBackground {
     fn update(
         &self,
         sets: &mut Sets,
-        ((color, channels), place): (([u8; 3], usize), u64),
+        (color, channels): ([u8; 3], usize),
+        place: u64,
         (frames, periods): (usize, [u64; 3]),
     ) {
         let [draws, chance] = [0, 1].map(|stream| hash(place, frames as u64, stream));
@@ -231,7 +232,7 @@ impl Background for KnnBackground {
             let rows = model.sets.cells_mut().chunks_mut(width).enumerate().collect();
             threads.each(rows, |(y, row): (usize, &mut [Sets])| {
                 for (x, sets) in row.iter_mut().enumerate() {
-                    self.update(sets, (value(x, y), (y * width + x) as u64), (frames, periods));
+                    self.update(sets, value(x, y), (y * width + x) as u64, (frames, periods));
                 }
             });
         }

@@ -175,7 +175,7 @@ impl ChannelModel for SingleGaussian {
 
     fn layers(&self, model: &Arc<Planes<Gaussian>>, _past: &Past) -> Vec<Layer> {
         let model = Arc::clone(model);
-        // In colour that of the channel that varies most.
+        // For colour, the deviation of the channel that varies most.
         vec![Layer::new(Quantity::Deviation, move || {
             let (width, height) = model.size();
             let variance = |place| model.at(place).map(|of| of.variance).into_iter().fold(0.0, f32::max);

@@ -6,7 +6,9 @@ use crate::base::Threads;
 use crate::geometry::filter;
 use crate::methods::{
     differential::{Advice, Field, Linear, explain, relax},
-    variational::{Explanation, Local, Model, MotionTensor, Probe, Settings, Solver, Warp, value as variational},
+    variational::{
+        Explanation, Local, Model, MotionTensor, PixelUpdate, Probe, Settings, Solver, Warp, value as variational,
+    },
 };
 use crate::run::{Guarantee, Info};
 use crate::scene::{Case, Constraint, Name, Question, Reply, Role, Step, Unit};
@@ -145,10 +147,10 @@ impl Model for Clg {
         let update = solution(tensor, self.alpha * self.alpha, mean);
         let [xx, xy, yy, xt, yt] = about_zero(tensor, probe.start().unwrap_or_default());
         let step = step.fact(value::TENSOR, [xx, xy, yy]).fact(value::TEMPORAL_TENSOR, [xt, yt]);
-        let found = ([mean, update], self.relaxation);
+        let found = PixelUpdate { mean, to: update, relaxation: self.relaxation };
         let (step, points) = self
             .solver
-            .explained((index, step), probe, found, |step| self.updated(step, probe.start().is_some(), tensor));
+            .explain((index, step), probe, found, |step| self.tell_update(step, probe.start().is_some(), tensor));
         Explanation {
             step,
             points,
@@ -165,7 +167,7 @@ impl Clg {
 
     /// Tells which term decides about the update, and writes the normal equations in symbols and numbers; after warping, c_x and
     /// c_y replace T_xt and T_yt.
-    fn updated(&self, step: Step, is_warped: bool, [xx, _, yy, xt, yt, _]: [f32; 6]) -> Step {
+    fn tell_update(&self, step: Step, is_warped: bool, [xx, _, yy, xt, yt, _]: [f32; 6]) -> Step {
         let (weight, trace) = (self.alpha * self.alpha, xx + yy);
         let step = step.put(variational::ALPHA_SQUARED, weight).put(value::TRACE, trace).put(value::RHO, self.rho);
         let step = step.put(value::DIAGONAL, [xx + weight, yy + weight]).put(value::CONSTANT_TERMS, [xt, yt]);

@@ -4,7 +4,9 @@ use crate::base::Threads;
 use crate::base::words::{further_digits, rounded};
 use crate::methods::{
     differential::{Advice, FLAT, Field, Linear, explain, numbers, relax},
-    variational::{Explanation, Model, Probe, Settings, Solver, Warp, case as shared, value as variational},
+    variational::{
+        Explanation, Model, PixelUpdate, Probe, Settings, Solver, Warp, case as shared, value as variational,
+    },
 };
 use crate::run::{Guarantee, Info};
 use crate::scene::{Case, Name, Question, Reply, Role, Step, Unit, Value};
@@ -154,8 +156,8 @@ impl Model for HornSchunck {
 
     fn explanation(&self, index: usize, probe: &Probe<Self>, step: Step) -> Explanation {
         let update = Update::of(self, probe);
-        let found = ([update.mean, update.to], self.relaxation);
-        let (step, points) = self.solver.explained((index, step), probe, found, |step| update.tell(self, probe, step));
+        let found = PixelUpdate { mean: update.mean, to: update.to, relaxation: self.relaxation };
+        let (step, points) = self.solver.explain((index, step), probe, found, |step| update.tell(self, probe, step));
         Explanation {
             step,
             points,

@@ -202,7 +202,7 @@ impl State {
     }
 }
 
-/// What would help where Lucas–Kanade fails.
+/// Remedies where Lucas–Kanade fails.
 const ADVICE: Advice =
     Advice { texture: case::ADVISE_TEXTURE, boundary: case::ADVISE_BOUNDARY, motion: case::ADVISE_MOTION };
 

@@ -35,7 +35,7 @@ params! {
     renamed { "smoothing" => "sigma", "threshold" => "min-gradient" }
 }
 
-/// What would help where normal flow fails.
+/// Remedies where normal flow fails.
 const ADVICE: Advice =
     Advice { texture: case::ADVISE_TEXTURE, boundary: case::ADVISE_BOUNDARY, motion: case::ADVISE_MOTION };
 
@@ -192,15 +192,14 @@ impl Estimator for NormalFlow {
         let fixed = &seen.before.fixed;
         let found = self.nearest(fixed.derivatives.at(pixel));
         let step = Step::at(if found[0].is_finite() { line::TAKE_NEAREST } else { line::IS_FLAT });
-        let step = self.told(fixed.derivatives.put(step, pixel), found);
-        self.charted(concluded(seen, step), fixed, (pixel, found))
+        let step = self.tell_flow(fixed.derivatives.put(step, pixel), found);
+        self.add_charts(conclude(seen, step), fixed, (pixel, found))
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
         field::draw(seen.before.flow(seen.events), scene);
         if let Some((x, y)) = pixel(seen) {
-            scene.mark(Picture::CURRENT, Role::Reference, Shape::pixels(x as i32, y as i32, 1, 1));
-            scene.legend(Role::Reference, "inspected pixel");
+            scene.draw(Picture::CURRENT, (Role::Reference, "inspected pixel"), Shape::pixels(x as i32, y as i32, 1, 1));
         }
     }
 
@@ -262,7 +261,7 @@ fn pixel(seen: &Seen<NormalFlow>) -> Option<(usize, usize)> {
 
 impl NormalFlow {
     /// Tells the flow of a pixel from its derivatives.
-    fn told(&self, step: Step, found: [f32; 2]) -> Step {
+    fn tell_flow(&self, step: Step, found: [f32; 2]) -> Step {
         let [x, y, change] = [explain::value::I_X, explain::value::I_Y, explain::value::I_T].map(|of| step.real(of));
         let gradient = x.hypot(y);
         let step = step.fact(explain::value::GRADIENT, gradient).put(value::LEAST_GRADIENT, self.min_gradient);
@@ -277,8 +276,7 @@ impl NormalFlow {
         explain::constraint(step).formula(r"(u, v) = -\frac{I_t \nabla I}{|\nabla I|^2} = {normal_flow}")
     }
 
-    /// Adds the charts of a pixel.
-    fn charted(&self, step: Step, fixed: &Fixed, (pixel, found): ((usize, usize), [f32; 2])) -> Step {
+    fn add_charts(&self, step: Step, fixed: &Fixed, (pixel, found): ((usize, usize), [f32; 2])) -> Step {
         let Fixed { frame_pair, derivatives } = fixed;
         let (factors, truth) = (derivatives.at(pixel), frame_pair.true_displacement(pixel));
         let is_known = found[0].is_finite();
@@ -308,8 +306,7 @@ impl NormalFlow {
     }
 }
 
-/// Adds the conclusion at the end of a run.
-fn concluded(seen: &Seen<NormalFlow>, step: Step) -> Step {
+fn conclude(seen: &Seen<NormalFlow>, step: Step) -> Step {
     let (Some(after), None) = (seen.after, seen.point()) else { return step };
     let frames = &after.fixed.frame_pair;
     if after.y() < frames.size().1 {

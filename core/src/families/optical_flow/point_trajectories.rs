@@ -269,7 +269,6 @@ impl PointTrajectories {
         Moved { live, structure, there, back, feature, twin, truth }
     }
 
-    /// Tracks a point as a feature.
     fn followed(&self, pair: &Pair, at: [f32; 2]) -> Feature {
         let follow = Follow {
             reach: self.reach(),

@@ -119,7 +119,6 @@ impl Fixed {
         self.levels[0].len() - 1
     }
 
-    /// Returns the number of groups.
     fn groups(&self) -> usize {
         self.points.len() / self.group
     }
@@ -400,7 +399,7 @@ impl Footprint<State> for PyramidalLucasKanade {
     }
 
     fn state_bytes(&self, state: &State) -> usize {
-        // What was found is shared by the states after it.
+        // Results are shared with later states.
         let groups = size_of_val(&state.found[..]) + size_of_val(&state.guesses[..]);
         size_of::<State>() + groups + state.fixed.group * size_of::<Found>()
     }
@@ -420,7 +419,6 @@ impl Pointed<State> for PyramidalLucasKanade {
     }
 }
 
-/// The point nearest to a position.
 fn nearest(points: &[[f32; 2]], place: [f32; 2]) -> Option<usize> {
     let far = |at: &[f32; 2]| (at[0] - place[0]).hypot(at[1] - place[1]);
     let nearest = points.iter().enumerate().min_by(|(_, a), (_, b)| far(a).total_cmp(&far(b)));

@@ -121,7 +121,6 @@ fn around<const N: usize>(points: &[Point], i: usize, by: [isize; N]) -> [Point;
 }
 
 impl ActiveContour {
-    /// The energy after an iteration.
     fn energy(&self, iteration: &Iteration) -> Energy {
         let (edges, points) = (&iteration.field.edges, &iteration.after);
         let square = |d: Point| d[0] * d[0] + d[1] * d[1];
@@ -272,7 +271,7 @@ impl Fit for ActiveContour {
         let points = self.minimize(&field, points, observer);
         let verdict = self.snake.judge(&field.edges, &points);
         observer.see(|| Event::Judged(Arc::clone(&field), points.as_slice().into(), verdict));
-        Model::of((frame.size(), before, region), (points, verdict.strength, verdict.is_lost))
+        Model::of(frame.size(), (before, region), points, &verdict)
     }
 
     fn need(&self, clip: &Clip) -> Need {

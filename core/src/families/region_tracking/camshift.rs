@@ -159,6 +159,10 @@ impl Camshift {
         }
     }
 
+    fn has_converged(&self, shift: &Shift) -> bool {
+        shift.length() < self.epsilon
+    }
+
     /// Moves the window until it converges; returns its last place, or nothing if it has no mass.
     fn settled(
         &self,
@@ -173,7 +177,7 @@ impl Camshift {
             let shift = Shift { iteration, window, mass: moments.mass, by };
             observer.see(|| Event::Shifted(Arc::clone(frame), shift));
             window = window.moved(by?);
-            if shift.length() < self.epsilon {
+            if self.has_converged(&shift) {
                 break;
             }
         }

@@ -75,7 +75,6 @@ impl Field {
         Self { origin: first, levels: window.map(|v| f32::from(v - low) * scale), range: [low, high] }
     }
 
-    /// The gray level of a scaled one.
     fn gray(&self, level: f32) -> f32 {
         f32::from(self.range[0]) + level * f32::from(self.range[1] - self.range[0])
     }
@@ -216,7 +215,9 @@ impl ChanVese {
     fn fit(
         &self,
         (frame, region): (&Frame, Region),
-        (before, bounds, area): (&Mask, Bounds, Option<usize>),
+        before: &Mask,
+        bounds: Bounds,
+        area: Option<usize>,
         observer: &mut impl Observer<Event>,
     ) -> Model {
         let field = Arc::new(Field::around(frame.luma(), bounds, self.margin));
@@ -300,7 +301,7 @@ impl RegionModel for ChanVese {
 
     fn begin(&self, frame: &Arc<Frame>, region: Region, observer: &mut impl Observer<Event>) -> (Model, f32) {
         let start = filled(&self.placement.start(region), frame.size());
-        let model = self.fit((frame, region), (&start, region.bounds(), None), observer);
+        let model = self.fit((frame, region), &start, region.bounds(), None, observer);
         let similarity = model.result.similarity;
         (model, similarity)
     }
@@ -313,7 +314,7 @@ impl RegionModel for ChanVese {
         observer: &mut impl Observer<Event>,
     ) -> RegionFrame {
         let before = model.object.unpacked();
-        *model = self.fit((frame, region), (&before, model.bounds, Some(model.area)), observer);
+        *model = self.fit((frame, region), &before, model.bounds, Some(model.area), observer);
         model.result
     }
 

@@ -70,7 +70,7 @@ const REGULARIZATION: f32 = 1e-3;
 /// Number of gray levels.
 const LEVELS: usize = 256;
 
-/// What the filter needs in every frame and does not change.
+/// The constant data of the filter.
 pub struct Fixed {
     transform: Transform,
     /// The window function along x and y.

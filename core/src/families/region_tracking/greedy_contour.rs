@@ -293,7 +293,7 @@ impl Fit for GreedyContour {
         let points = self.minimize(&edges, points, observer);
         let verdict = self.snake.judge(&edges, &points);
         observer.see(|| Event::Judged(Arc::clone(&edges), points.as_slice().into(), verdict));
-        Model::of((frame.size(), before, region), (points, verdict.strength, verdict.is_lost))
+        Model::of(frame.size(), (before, region), points, &verdict)
     }
 
     fn need(&self, clip: &Clip) -> Need {

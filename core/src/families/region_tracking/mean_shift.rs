@@ -200,6 +200,10 @@ impl MeanShift {
         Trial { region, ..trials[best] }
     }
 
+    fn has_converged(&self, shift: &Shift) -> bool {
+        shift.length() < self.epsilon
+    }
+
     /// Shifts an ellipse until it converges.
     fn climb(
         &self,
@@ -218,7 +222,7 @@ impl MeanShift {
             observer.see(|| Event::Shifted(Arc::clone(frame), shift));
             let Some(center) = to else { return Trial { region, similarity, is_lost: true } };
             region = region.at(center);
-            if shift.length() < self.epsilon {
+            if self.has_converged(&shift) {
                 break;
             }
         }

@@ -123,11 +123,15 @@ pub enum Event {
 }
 
 impl ParticleFilter {
+    /// The effective sample size below which particles are resampled.
+    fn least_effective(&self, particles: &[Particle]) -> f32 {
+        self.resample_below * particles.len() as f32
+    }
+
     fn draw_of(&self, step: usize) -> Draw {
         Draw { seed: u64::from(self.seed), step: step as u64 }
     }
 
-    /// The region of a particle.
     fn region(size: [f32; 2], particle: &Particle) -> Region {
         Region { center: particle.at, size, angle_rad: 0.0 }.scaled(particle.scale)
     }
@@ -251,7 +255,7 @@ impl RegionModel for ParticleFilter {
         observer.see(|| Event::Estimated(Arc::clone(&particles), Box::new(estimate)));
         observer.see(|| Event::Counted(Arc::clone(&particles), effective));
         model.particles = Arc::clone(&particles);
-        if effective < self.resample_below * particles.len() as f32 {
+        if effective < self.least_effective(&particles) {
             let copies = cloud::copies(draw, self.resampling, &particles);
             model.particles = Arc::new(cloud::copied(&particles, &copies));
             observer.see(|| {

@@ -83,7 +83,7 @@ params! {
     advanced { "iterations", "epsilon", "spacing" }
 }
 
-/// What is carried from frame to frame.
+/// The state carried from frame to frame.
 #[derive(Clone)]
 pub struct Model {
     view: View,
@@ -130,9 +130,28 @@ pub struct Judged {
     residual_px: f64,
     /// Covariance of rotation vector and translation, row by row in rad and m.
     covariance: Option<Vec<f64>>,
+    /// Why the object is lost, if it is.
+    loss: Option<Cause>,
+}
+
+/// The cause of a loss.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Cause {
+    /// The edges determine no pose.
+    Undetermined,
+    /// Too few control points have an edge.
+    Edges,
+    /// A part of the model lies behind the camera.
+    Behind,
+    /// The edges are too far from the model.
+    Fit,
+}
+
+impl Judged {
     /// Whether the next search starts from the pose.
-    is_kept: bool,
-    is_lost: bool,
+    fn is_kept(&self) -> bool {
+        self.loss.is_none_or(|cause| cause == Cause::Fit)
+    }
 }
 
 /// An event of a frame.
@@ -214,9 +233,13 @@ impl Rapid {
         let share = matched(&sought) as f64 / sought.len().max(1) as f64;
         let covariance = fit::covariance(&sought, &view.sight());
         let residual_px = fit::median_distance(&sought);
-        let is_kept = covariance.is_some() && share >= f64::from(self.min_share) && view.bounds().is_some();
-        let is_lost = !is_kept || residual_px > f64::from(self.max_residual);
-        Judged { view: view.clone(), sought, share, residual_px, covariance, is_kept, is_lost }
+        let loss = match &covariance {
+            None => Some(Cause::Undetermined),
+            Some(_) if share < f64::from(self.min_share) => Some(Cause::Edges),
+            Some(_) if view.bounds().is_none() => Some(Cause::Behind),
+            Some(_) => (residual_px > f64::from(self.max_residual)).then_some(Cause::Fit),
+        };
+        Judged { view: view.clone(), sought, share, residual_px, covariance, loss }
     }
 
     /// Judges the pose that a frame gives, where the last one had `region`.
@@ -228,9 +251,9 @@ impl Rapid {
     ) -> (RegionFrame, Arc<Judged>) {
         let judged = Arc::new(self.judge(frame, view));
         observer.see(|| Event::Judged(Arc::clone(&judged)));
-        let bounds = view.bounds().filter(|_| !judged.is_lost);
-        let similarity = judged.share as f32;
-        let result = RegionFrame { region: bounds.map_or(region, Region::from), similarity, is_lost: judged.is_lost };
+        let bounds = view.bounds().filter(|_| judged.loss.is_none());
+        let (similarity, is_lost) = (judged.share as f32, judged.loss.is_some());
+        let result = RegionFrame { region: bounds.map_or(region, Region::from), similarity, is_lost };
         (result, judged)
     }
 }
@@ -290,7 +313,7 @@ impl RegionModel for Rapid {
         observer.see(|| Event::Placed(placed.clone()));
         let refined = self.refine(frame, placed.clone(), observer);
         let (result, judged) = self.result((frame, region), &refined, observer);
-        let view = if judged.is_kept { refined } else { placed };
+        let view = if judged.is_kept() { refined } else { placed };
         let past = Arc::new(vec![Past::from(&*judged)]);
         (Model { view, motion: Motion::default(), result, past }, result.similarity)
     }
@@ -316,7 +339,7 @@ impl RegionModel for Rapid {
         let judged;
         (model.result, judged) = self.result((frame, region), &view, observer);
         Arc::make_mut(&mut model.past).push(Past::from(&*judged));
-        if judged.is_kept {
+        if judged.is_kept() {
             model.motion = before.motion_to(&view.pose);
             model.view = view;
         } else {

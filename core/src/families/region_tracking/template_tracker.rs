@@ -117,7 +117,7 @@ impl Stretch {
     }
 }
 
-/// What is carried from frame to frame.
+/// The state carried from frame to frame.
 #[derive(Clone)]
 pub struct Model {
     /// The template of the first frame.
@@ -184,7 +184,19 @@ pub struct Judged {
     /// Share of the template inside the frame.
     overlap: f64,
     stretch: Stretch,
-    is_lost: bool,
+    /// Why the object is lost, if it is.
+    loss: Option<Cause>,
+}
+
+/// The cause of a loss.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Cause {
+    /// Too little of the template lies inside the frame.
+    Outside,
+    /// The warp is collapsed.
+    Warp,
+    /// The correlation is too small.
+    Correlation,
 }
 
 /// A drift correction.
@@ -294,15 +306,17 @@ impl TemplateTracker {
         Iteration { is_correction: *is_correction, level, number, frame, template, before, compared, moved, end }
     }
 
-    /// Judges the warp at the end of an alignment.
     fn judge(&self, (frame, model): (&Arc<Pyramid>, &Model), warp: Matrix3) -> Judged {
         let template = &model.template;
         let (correlation, overlap) = template.levels[0].correlation(&frame[0], &warp);
         let stretch = Stretch::new([&model.warp, &warp], model.lost_frames);
-        let is_lost =
-            overlap < LEAST_OVERLAP || stretch.is_collapsed() || correlation < f64::from(self.min_correlation);
+        let loss = match () {
+            () if overlap < LEAST_OVERLAP => Some(Cause::Outside),
+            () if stretch.is_collapsed() => Some(Cause::Warp),
+            () => (correlation < f64::from(self.min_correlation)).then_some(Cause::Correlation),
+        };
         let (frame, template) = (Arc::clone(frame), Arc::clone(template));
-        Judged { frame, template, warp, correlation, overlap, stretch, is_lost }
+        Judged { frame, template, warp, correlation, overlap, stretch, loss }
     }
 
     /// Aligns the first template from `warp` on, at full resolution, which drift does not leave.
@@ -404,7 +418,7 @@ impl RegionModel for TemplateTracker {
         let judged = Arc::new(self.judge((frame, model), warp));
         observer.see(|| Event::Judged(Arc::clone(&judged)));
         let similarity = judged.correlation as f32;
-        if judged.is_lost {
+        if judged.loss.is_some() {
             model.lost_frames += 1;
             return RegionFrame { region, similarity, is_lost: true };
         }

@@ -62,7 +62,7 @@ struct Fixed {
     pixels: Pixels,
 }
 
-/// What is compared, with the columns that windows reach beyond the borders: the edge repeated.
+/// The compared pixels, extended by the columns that windows reach beyond the borders: the edge is repeated.
 enum Pixels {
     /// Gray levels of both views.
     Gray([Grid<u8>; 2]),
@@ -319,11 +319,11 @@ impl Estimator for BlockStereo {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        self.told(seen)
+        self.explain_step(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.drawn(seen, scene);
+        self.draw_marks(seen, scene);
     }
 
     fn output(&self, state: &State) -> Output {

@@ -87,7 +87,7 @@ pub enum Part {
     Own,
 }
 
-/// What happened.
+/// An event of a unit.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
     /// A whole map was estimated.
@@ -316,7 +316,6 @@ impl SceneFlow {
         Ok(())
     }
 
-    /// The field so far.
     fn field(&self, state: &State) -> SceneFlowField {
         let Fixed { left, calibration, unknown: (unknown, still), .. } = &*state.fixed;
         let ego = state.consensus.as_ref().and_then(|consensus| {
@@ -488,11 +487,11 @@ impl Estimator for SceneFlow {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        self.told(seen)
+        self.explain_step(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.drawn(seen, scene);
+        self.draw_marks(seen, scene);
     }
 
     fn output(&self, state: &State) -> Output {

@@ -128,7 +128,6 @@ impl SemiGlobalMatching {
         &DIRECTIONS[..if self.paths == Paths::Four { 4 } else { 8 }]
     }
 
-    /// The stages of a run.
     fn stages(&self) -> Vec<Stage> {
         let paths = self.directions().iter().map(|direction| Stage::Path(*direction));
         let rest = [Stage::Winner, Stage::Check].into_iter().chain(self.fill.then_some(Stage::Fill));
@@ -146,7 +145,6 @@ impl SemiGlobalMatching {
         paths::hamming(costs, left.row(y), right.row(y), self.settings.disparities);
     }
 
-    /// Chooses the disparities of a row.
     fn choose_row(&self, sums: &[u16], desk: &Desk, row: &mut [Kept]) {
         let depth = self.settings.disparities.next_multiple_of(LANES);
         for (x, (kept, sums)) in row.iter_mut().zip(sums.chunks_exact(depth)).enumerate() {
@@ -407,11 +405,11 @@ impl Estimator for SemiGlobalMatching {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        self.told(seen)
+        self.explain_step(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.drawn(seen, scene);
+        self.draw_marks(seen, scene);
     }
 
     fn output(&self, state: &State) -> Output {

@@ -164,7 +164,7 @@ fn members_of(table: &Correspondence, rows: &[usize]) -> Vec<Member> {
 }
 
 impl Member {
-    fn moved(&mut self, by: [f64; 2]) {
+    fn move_by(&mut self, by: [f64; 2]) {
         self.center = [0, 1].map(|i| self.center[i] + by[i]);
         self.bounds = self.bounds.moved(by.map(|c| c as f32));
     }
@@ -202,13 +202,13 @@ impl TrackedBlob {
         let is_group = self.is_group();
         for member in &mut self.members {
             // Within a group each track keeps its own velocity.
-            member.moved(if is_group { member.velocity.unwrap_or(velocity) } else { velocity });
+            member.move_by(if is_group { member.velocity.unwrap_or(velocity) } else { velocity });
         }
         self
     }
 
     /// Updates a single track with its blob; the appearance moves half way to the new one.
-    fn seen_alone(&mut self, blob: &Blob) {
+    fn update_alone(&mut self, blob: &Blob) {
         let (velocity, found) = (self.velocity(), &blob.detection);
         for member in &mut self.members {
             let gray = [member.gray, blob.gray].into_iter().flatten();
@@ -223,7 +223,7 @@ impl TrackedBlob {
     }
 
     /// Updates a group with its blob, keeping the box of each track inside.
-    fn seen_as_group(&mut self, blob: &Blob) {
+    fn update_as_group(&mut self, blob: &Blob) {
         let all = blob.detection.bounds;
         for member in &mut self.members {
             let own = member.bounds;
@@ -231,7 +231,7 @@ impl TrackedBlob {
                 let (low, high) = (all.min[i] - own.min[i], all.max[i] - own.max[i]);
                 if low <= high { 0.0_f32.max(low).min(high) } else { all.center()[i] - own.center()[i] }
             };
-            member.moved([0, 1].map(|i| f64::from(into(i))));
+            member.move_by([0, 1].map(|i| f64::from(into(i))));
         }
     }
 }
@@ -267,9 +267,9 @@ impl BlobTracker {
             .collect();
         let mut tracked = TrackedBlob { bounds: blob.detection.bounds, centers, members };
         if tracked.is_group() {
-            tracked.seen_as_group(blob)
+            tracked.update_as_group(blob)
         } else {
-            tracked.seen_alone(blob)
+            tracked.update_alone(blob)
         }
         tracked
     }
@@ -499,10 +499,10 @@ impl MultiTracker for BlobTracker {
     }
 
     fn step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
-        self.explained_step(seen)
+        self.explain_step(seen)
     }
 
     fn draw(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
-        self.drawn(seen, scene);
+        self.draw_marks(seen, scene);
     }
 }

@@ -229,16 +229,15 @@ impl MultiTracker for JointProbabilistic {
     }
 
     fn step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
-        self.explained_step(seen)
+        self.explain_step(seen)
     }
 
     fn draw(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
-        self.drawn(seen, scene);
+        self.draw_marks(seen, scene);
     }
 }
 
 impl JointProbabilistic {
-    /// Updates a track by all detections in its gate.
     fn updated(&self, track: &Track, detections: &[Detection], weights: &Weights) -> Track {
         let filter = if weights.measured.is_empty() {
             track.filter

@@ -196,7 +196,6 @@ impl FrameRecord {
         self.own_bytes() + size_of_val(&self.detections[..])
     }
 
-    /// Returns the gated measurement of a sensor.
     fn of_sensor(&self, sensor: usize) -> Option<&Gated> {
         self.gated.iter().find(|gated| gated.reading.sensor == sensor)
     }
@@ -570,11 +569,11 @@ impl Estimator for KalmanFilter {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        self.explained_step(seen)
+        self.explain_step(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.drawn(seen, scene);
+        self.draw_marks(seen, scene);
     }
 
     fn output(&self, state: &State) -> Output {

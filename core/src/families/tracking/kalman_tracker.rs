@@ -167,7 +167,6 @@ impl KalmanTracker {
         self.dynamics.measurement(&self.completed(track, detection, picture).unwrap_or(*detection))
     }
 
-    /// Updates a track with its detection.
     fn updated(&self, track: &Track, detection: &Detection, picture: (usize, usize)) -> Track {
         let completed = self.completed(track, detection, picture);
         let found = completed.as_ref().unwrap_or(detection);
@@ -306,11 +305,11 @@ impl MultiTracker for KalmanTracker {
     }
 
     fn step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
-        self.explained_step(seen)
+        self.explain_step(seen)
     }
 
     fn draw(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
-        self.drawn(seen, scene);
+        self.draw_marks(seen, scene);
     }
 }
 

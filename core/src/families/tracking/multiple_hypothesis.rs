@@ -77,7 +77,7 @@ pub struct Leading {
     /// The number of clusters, and of their hypotheses in all.
     clusters: usize,
     hypotheses: usize,
-    /// What the leading hypotheses say of the frame.
+    /// The scans of the frame in the leading hypotheses.
     scans: Vec<Arc<Scan>>,
     second: Option<Second>,
     /// The hypotheses of the largest cluster; none if each has a single one.
@@ -88,7 +88,7 @@ pub struct Leading {
 #[derive(Clone, Debug)]
 pub struct Second {
     probability: f64,
-    /// The last frame that it explains otherwise, and what the leading and this hypothesis say of it.
+    /// The last frame that it explains differently, with the scans of the leading hypothesis and of this one.
     frame: usize,
     scans: [Arc<Scan>; 2],
 }
@@ -130,7 +130,7 @@ pub enum Event {
     Pruned(Arc<Pruning>),
     /// The leading and the second hypothesis.
     Led(Arc<Leading>),
-    /// The leading hypothesis explains earlier frames otherwise than the one that led before.
+    /// The leading hypothesis explains earlier frames differently from the previous leader.
     Revised(Arc<Vec<Revision>>),
     /// The finished frame and its conclusion.
     Done(Arc<ObjectFrame>, Box<Conclusion>),
@@ -218,7 +218,7 @@ impl MultiTracker for MultipleHypothesis {
     }
 
     fn need(&self, clip: &Clip) -> Need {
-        // Of each cluster a few hypotheses are kept on average, and their tracks in each frame that is not decided.
+        // On average each cluster keeps a few hypotheses, and their tracks in each undecided frame.
         let frames = (self.n_scan + 1) as f64 * self.max_hypotheses.min(30) as f64;
         super::need(clip).and([super::most_objects(clip) * 200.0 * frames, super::most_objects(clip) * 800.0 * frames])
     }
@@ -228,20 +228,19 @@ impl MultiTracker for MultipleHypothesis {
     }
 
     fn step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
-        self.explained_step(seen)
+        self.explain_step(seen)
     }
 
     fn draw(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
-        self.drawn(seen, scene);
+        self.draw_marks(seen, scene);
     }
 }
 
-/// Returns the tracks of all clusters.
 fn tracks_of(clusters: &[Cluster]) -> Vec<Arc<Track>> {
     clusters.iter().flat_map(|cluster| cluster.tracks.iter().cloned()).collect()
 }
 
-/// Returns what the leading hypotheses say of a frame.
+/// Returns the scans of a frame in the leading hypotheses.
 fn scans_of(clusters: &[Cluster], frame: usize) -> impl Iterator<Item = &Arc<Scan>> {
     clusters.iter().filter_map(move |cluster| cluster.hypotheses.first()?.scan(frame))
 }
@@ -265,7 +264,7 @@ fn leading(clusters: &[Cluster], frame: usize) -> Leading {
     }
 }
 
-/// Returns what the decision of a frame has deleted from each cluster.
+/// Returns the hypotheses that the decision of a frame has deleted from each cluster.
 fn pruning(frame: usize, clusters: &[Cluster], deleted: &[Vec<Hypothesis>]) -> Pruning {
     let all = || deleted.iter().flatten();
     Pruning {

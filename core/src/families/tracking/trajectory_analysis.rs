@@ -98,7 +98,6 @@ pub enum Event {
 }
 
 impl Event {
-    /// Returns the trajectory of the event.
     fn trajectory(&self) -> Option<&Arc<Trajectory>> {
         match self {
             Self::Moved(of) | Self::Crossed(of, _) | Self::Entered(of, _) | Self::Left(of, _) => Some(of),
@@ -167,7 +166,6 @@ impl TrajectoryAnalysis {
     }
 }
 
-/// Emits the events of a trajectory.
 fn emit(trajectory: &Arc<Trajectory>, events: TrajectoryEvents, observer: &mut impl Observer<Event>) {
     let of = || Arc::clone(trajectory);
     observer.see(|| Event::Moved(of()));
@@ -271,11 +269,11 @@ impl Estimator for TrajectoryAnalysis {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        self.explained_step(seen)
+        self.explain_step(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.drawn(seen, scene);
+        self.draw_marks(seen, scene);
     }
 
     fn output(&self, state: &State) -> Output {

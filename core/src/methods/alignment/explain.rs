@@ -1,4 +1,4 @@
-//! What alignments explain alike: pictures, matrices and the plot of the error.
+//! Explanations shared by alignments: pictures, matrices and the plot of the error.
 
 use super::warp::names;
 use super::{Aligner, warped};
@@ -18,13 +18,12 @@ fn sampled((width, height): (usize, usize), value: impl Fn(usize, usize) -> f32)
     Grid::from_fn(width.div_ceil(step), height.div_ceil(step), |x, y| value(x * step, y * step))
 }
 
-/// The steepest-descent images.
 pub(crate) fn steepest_descent(aligner: &Aligner<'_>) -> Vec<Tile> {
     let coordinates = aligner.coordinates();
     let image = |k: usize| {
         let values = sampled(aligner.template.size(), |x, y| aligner.columns(&coordinates, (x, y))[k] as f32);
         let most = values.cells().iter().fold(1e-3f32, |most, value| most.max(value.abs()));
-        Tile { label: IMAGES[k], role: None, values, range: [-most, most], framed: Vec::new() }
+        Tile::new(IMAGES[k], values, [-most, most])
     };
     (0..aligner.model.freedom()).map(image).collect()
 }
@@ -33,60 +32,28 @@ pub(crate) fn steepest_descent(aligner: &Aligner<'_>) -> Vec<Tile> {
 pub(crate) fn compared(label: &'static str, [template, image]: [&Grid<f32>; 2], warp: &Matrix3) -> Vec<Tile> {
     let warped = |x, y| warped(image, warp, (x, y)).unwrap_or(f32::NAN);
     let size = template.size();
-    let tile = |label, values, range| Tile { label, role: None, values, range, framed: Vec::new() };
     vec![
-        tile(label, sampled(size, |x, y| template[(x, y)]), [0.0, 255.0]),
-        tile("warped", sampled(size, warped), [0.0, 255.0]),
-        tile("difference", sampled(size, |x, y| warped(x, y) - template[(x, y)]), [-64.0, 64.0]),
+        Tile::gray(label, sampled(size, |x, y| template[(x, y)])),
+        Tile::gray("warped", sampled(size, warped)),
+        Tile::new("difference", sampled(size, |x, y| warped(x, y) - template[(x, y)]), [-64.0, 64.0]),
     ]
 }
 
-/// A warp as a matrix with its symbol, name and role.
-pub(crate) fn warp_matrix((symbol, name, role): (&'static str, &'static str, Role), matrix: &Matrix3) -> Matrix {
-    Matrix {
-        symbol,
-        name,
-        role: Some(role),
-        entries: Grid::from_fn(3, 3, |x, y| matrix[y][x]),
-        rows: Vec::new(),
-        columns: Vec::new(),
-        changed: None,
-        decimals: None,
-    }
-}
-
-/// A number for each parameter as a column vector with its symbol, name and role.
-pub(crate) fn parameters(
-    model: Model,
-    (symbol, name, role): (&'static str, &'static str, Role),
-    values: &[f64],
-) -> Matrix {
-    Matrix {
-        symbol,
-        name,
-        role: Some(role),
-        entries: Grid::from_fn(1, values.len(), |_, y| values[y]),
-        rows: names(model).iter().map(|name| (*name).to_owned()).collect(),
-        columns: Vec::new(),
-        changed: None,
-        decimals: None,
-    }
+/// The right-hand side and the increment of an iteration: a number for each parameter.
+pub(crate) fn parameter_vectors(model: Model, right: &[f64], increment: &[f64]) -> [Matrix; 2] {
+    let labels = || names(model).iter().copied();
+    [
+        Matrix::column("b", "right-hand side", right).with_role(Role::Error).with_rows(labels()),
+        Matrix::column("Δp", "increment", increment).with_role(Role::Estimate).with_rows(labels()),
+    ]
 }
 
 /// The Hessian of the parameters.
 pub(crate) fn hessian(model: Model, values: &[f64]) -> Matrix {
     let count = model.freedom();
-    let labels = || names(model).iter().map(|name| (*name).to_owned()).collect();
-    Matrix {
-        symbol: "H",
-        name: "Hessian",
-        role: None,
-        entries: Grid::from_fn(count, count, |x, y| values[y * count + x]),
-        rows: labels(),
-        columns: labels(),
-        changed: None,
-        decimals: None,
-    }
+    let labels = || names(model).iter().copied();
+    let entries = Grid::from_fn(count, count, |x, y| values[y * count + x]);
+    Matrix::new("H", "Hessian", entries).with_rows(labels()).with_columns(labels())
 }
 
 /// The error over the iterations, with the section that each belongs to; nothing before the first.
@@ -100,12 +67,12 @@ pub(crate) fn errors(all: impl Iterator<Item = (String, f64)>) -> Option<Series>
         }
     }
     (!points.is_empty()).then(|| Series {
-        title: "Alignment error",
-        x_label: "iteration",
-        y_label: "RMS difference (gray levels)",
-        x_max: points.len(),
         sections,
-        lines: vec![("RMS difference", Role::Error, points)],
-        ..Series::default()
+        ..Series::new(
+            "Alignment error",
+            ["iteration", "RMS difference (gray levels)"],
+            points.len(),
+            vec![("RMS difference", Role::Error, points)],
+        )
     })
 }

@@ -30,7 +30,7 @@ pub(crate) fn percent(part: usize, all: usize) -> f64 {
 }
 
 /// Tells the decision of a search, and which candidates of its pattern are skipped.
-fn staged(mut step: Step, stage: &Stage) -> Step {
+fn tell_stage(mut step: Step, stage: &Stage) -> Step {
     let (new, asked, told) = (stage.points.len(), stage.asked, Step::clone(&stage.told));
     step.values.extend(told.values);
     let step = step.tell(told.sentence).put(value::ASKED, asked).put(value::NEW, new);
@@ -54,15 +54,15 @@ impl Probe<'_> {
         let at = |line| Step { line, ..self.facts(lead) };
         let step = match last {
             Event::Window => self.window_placed(at(line::LAY_WINDOW)),
-            Event::Stage(stage) | Event::Refine(stage) => self.summed(staged(at(stage.told.line), stage)),
-            Event::Fit(fit) => self.fitted(at(line::REFINE_BEST), fit),
-            Event::Skipped(skipped) => self.skipped(at(line::SKIP_CANDIDATE), skipped),
+            Event::Stage(stage) | Event::Refine(stage) => self.add_cost(tell_stage(at(stage.told.line), stage)),
+            Event::Fit(fit) => self.tell_fit(at(line::REFINE_BEST), fit),
+            Event::Skipped(skipped) => self.tell_skipped(at(line::SKIP_CANDIDATE), skipped),
             Event::Candidate { rows, .. } if *rows < self.block().height => {
-                self.summed(at(line::EXIT_EARLY).put(value::ROWS_SUMMED, *rows).say(case::EARLY_EXIT))
+                self.add_cost(at(line::EXIT_EARLY).put(value::ROWS_SUMMED, *rows).say(case::EARLY_EXIT))
             }
-            Event::Candidate { tested, .. } => self.summed(self.compared(at(line::COMPUTE_COST), *tested)),
-            Event::NewBest { before } => self.summed(self.improved(at(line::KEEP_BEST), *before)),
-            Event::Found(found) => self.summed(self.result(at(line::SET_DISPLACEMENT), *found)),
+            Event::Candidate { tested, .. } => self.add_cost(self.tell_comparison(at(line::COMPUTE_COST), *tested)),
+            Event::NewBest { before } => self.add_cost(self.tell_improvement(at(line::KEEP_BEST), *before)),
+            Event::Found(found) => self.add_cost(self.result(at(line::SET_DISPLACEMENT), *found)),
         };
         step.show_all(self.charts())
     }
@@ -85,7 +85,7 @@ impl Probe<'_> {
     }
 
     /// Compares a candidate with the best before it, as the search does.
-    fn compared(&self, step: Step, candidate: Match) -> Step {
+    fn tell_comparison(&self, step: Step, candidate: Match) -> Step {
         let Some(best) = self.best() else { return step.say(case::FIRST) };
         match (candidate.cost == best.cost, candidate.wins(&best)) {
             (false, true) => step.say(case::BELOW),
@@ -97,7 +97,7 @@ impl Probe<'_> {
     }
 
     /// Tells why the candidate tested last is the new best.
-    fn improved(&self, step: Step, before: Option<Match>) -> Step {
+    fn tell_improvement(&self, step: Step, before: Option<Match>) -> Step {
         let (Some(before), Some(best)) = (before, self.best()) else { return step.say(case::NEW_AS_FIRST) };
         let cost = self.settings.cost(value::COST_BEFORE, before.cost);
         step.put(value::BEFORE, before.vector()).put_value(cost).say(match before.cost == best.cost {
@@ -107,15 +107,15 @@ impl Probe<'_> {
         })
     }
 
-    fn skipped(&self, step: Step, skipped: &Skipped) -> Step {
+    fn tell_skipped(&self, step: Step, skipped: &Skipped) -> Step {
         let (across, down) = Parts::of(&self.patches(Match::whole([0, 0], 0.0)).0, skipped.side).counts;
         let step = step.put(value::PARTS, across * down).put(value::SIDE, skipped.side);
         let step = step.say(if across * down == 1 { case::SKIPPED_BY_WHOLE } else { case::SKIPPED_BY_PARTS });
-        self.bounded(step, skipped)
+        self.add_bound(step, skipped)
     }
 
     /// The parabolas along u and along v.
-    fn fitted(&self, step: Step, fit: &Fit) -> Step {
+    fn tell_fit(&self, step: Step, fit: &Fit) -> Step {
         let whole = self.best().map_or([0, 0], |best| best.displacement);
         ["u", "v"].into_iter().enumerate().fold(step, |step, (i, axis)| {
             let step = step.put(value::AXIS, axis);
@@ -161,17 +161,17 @@ impl Probe<'_> {
         self.tests().cells().iter().flatten().count()
     }
 
-    /// How reliable the match `found` is: ambiguous, at the limit of the search range, poor, exact, or missed.
+    /// The reliability of the match `found`: ambiguous, at the limit of the search range, poor, exact, or missed.
     fn verdict(&self, step: Step, found: Match) -> Step {
         let surface = self.full_search();
-        // What was found at a sub-pixel position lies beside the minimum of its whole pixels.
+        // A sub-pixel match lies beside the minimum of its whole pixels.
         let whole = surface.cost(found.displacement).unwrap_or(found.cost);
         if surface.least.cost < whole.min(found.cost) {
-            return self.missed(step, found, &surface);
+            return self.tell_miss(step, found, &surface);
         }
         let ties = surface.ties(found.displacement);
         if !ties.is_empty() {
-            return self.tied(step, found, &ties);
+            return self.tell_ties(step, found, &ties);
         }
         if self.rate.distortion(found) == 0.0 {
             return step.say(match self.settings.matching.cost {
@@ -199,7 +199,8 @@ impl Probe<'_> {
         self.ambiguous(step, found, told)
     }
 
-    /// How good a match is where no other comes close; `is_least` says whether its whole displacement has the global minimum.
+    /// The quality of a match without a competing one; `is_least` says whether its whole displacement has the global
+    /// minimum.
     fn alone(&self, step: Step, found: Match, is_least: bool) -> Step {
         if self.is_at_limit(found) {
             return step.say(case::AT_LIMIT);
@@ -217,7 +218,7 @@ impl Probe<'_> {
     }
 
     /// A lower cost was left out: where it is, and why it was not tested.
-    fn missed(&self, step: Step, found: Match, surface: &WholeWindow) -> Step {
+    fn tell_miss(&self, step: Step, found: Match, surface: &WholeWindow) -> Step {
         let least = surface.least;
         let cost = self.settings.cost(value::LEAST_COST, least.cost);
         let step = step.put(value::LEAST, least.vector()).put_value(cost);
@@ -233,7 +234,7 @@ impl Probe<'_> {
     }
 
     /// Other displacements cost as much as the match.
-    fn tied(&self, step: Step, found: Match, ties: &[Match]) -> Step {
+    fn tell_ties(&self, step: Step, found: Match, ties: &[Match]) -> Step {
         if ties.len() + 1 == self.window.count() {
             return step.say(case::ALL_ALIKE);
         }

@@ -251,7 +251,7 @@ pub struct Stage {
     pub narrowed: Option<Window>,
     /// Number of candidates in the pattern.
     pub asked: usize,
-    /// Those of them that are new and inside the search window, in px.
+    /// The new candidates inside the search window, in px.
     pub points: Vec<[f32; 2]>,
     /// Why, at its line of the pseudocode.
     pub told: Box<Step>,

@@ -96,7 +96,6 @@ impl Probe<'_> {
         self.candidates().count()
     }
 
-    /// The number of candidates skipped in this block.
     pub(super) fn skipped_here(&self) -> usize {
         self.events.iter().filter(|event| matches!(event, Event::Skipped(_))).count()
     }
@@ -125,14 +124,12 @@ impl Probe<'_> {
         let done = self.found.iter().enumerate();
         let arrows: Vec<_> = done.map(|(i, found)| arrow(blocks.block(i), found)).collect();
         if !arrows.is_empty() {
-            scene.mark(Picture::CURRENT, Role::Result, Shape::Arrows(arrows));
-            scene.legend(Role::Result, "motion vector");
+            scene.draw(Picture::CURRENT, (Role::Result, "motion vector"), Shape::Arrows(arrows));
         }
         // By itself, so that it is drawn even where arrows are thinned out.
         if let Some(Event::Found(found)) = self.events.last() {
             let found = arrow(self.block(), found);
-            scene.mark(Picture::CURRENT, Role::Result, Shape::Arrows(vec![found]));
-            scene.legend(Role::Result, "motion vector");
+            scene.draw(Picture::CURRENT, (Role::Result, "motion vector"), Shape::Arrows(vec![found]));
         }
         if self.events.is_empty() {
             return;
@@ -142,8 +139,7 @@ impl Probe<'_> {
             let min = [block.x as f32 + u - 0.5, block.y as f32 + v - 0.5];
             Shape::Rect { min, max: [min[0] + block.width as f32, min[1] + block.height as f32] }
         };
-        scene.mark(Picture::CURRENT, Role::Reference, at([0.0; 2]));
-        scene.legend(Role::Reference, "block of frame t");
+        scene.draw(Picture::CURRENT, (Role::Reference, "block of frame t"), at([0.0; 2]));
         // At the end of the run only the vectors and the last match remain.
         if !self.is_over() || self.index + 1 < blocks.len() {
             self.draw_window(block, scene);
@@ -151,16 +147,21 @@ impl Probe<'_> {
         self.draw_stage(block, scene);
         if let Some(best) = self.best() {
             scene.mark(Picture::NEXT, Role::Best, at(best.vector()));
-            scene.mark(Picture::NEXT, Role::Best, Shape::Arrows(vec![arrow(block, &best)]));
-            scene.legend(Role::Best, if self.is_over() { "best match" } else { "best match so far" });
+            scene.draw(
+                Picture::NEXT,
+                (Role::Best, if self.is_over() { "best match" } else { "best match so far" }),
+                Shape::Arrows(vec![arrow(block, &best)]),
+            );
         }
         // On top: a new best is the candidate under test.
         if let Some(displacement) = self.passed_over() {
-            scene.mark(Picture::NEXT, Role::Candidate, at(Match::whole(displacement, 0.0).vector()));
-            scene.legend(Role::Candidate, "skipped candidate");
+            scene.draw(
+                Picture::NEXT,
+                (Role::Candidate, "skipped candidate"),
+                at(Match::whole(displacement, 0.0).vector()),
+            );
         } else if let Some((candidate, _)) = self.at_hand() {
-            scene.mark(Picture::NEXT, Role::Candidate, at(candidate.vector()));
-            scene.legend(Role::Candidate, "candidate");
+            scene.draw(Picture::NEXT, (Role::Candidate, "candidate"), at(candidate.vector()));
         }
     }
 
@@ -180,8 +181,7 @@ impl Probe<'_> {
             scene.mark(Picture::NEXT, Role::Candidate, Shape::Heat { origin, values: self.costs() });
             scene.heat_scale = self.scale();
         }
-        scene.mark(Picture::NEXT, Role::Window, Shape::pixels(corner.0, corner.1, reach.0, reach.1));
-        scene.legend(Role::Window, "search window");
+        scene.draw(Picture::NEXT, (Role::Window, "search window"), Shape::pixels(corner.0, corner.1, reach.0, reach.1));
     }
 
     /// The number of the event that tested each displacement, from 1.
@@ -218,8 +218,7 @@ impl Probe<'_> {
         {
             if !points.is_empty() && !self.is_over() {
                 let places = points.iter().map(|[u, v]| [x + u, y + v]).collect();
-                scene.mark(Picture::NEXT, role, Shape::Points(places));
-                scene.legend(role, meaning);
+                scene.draw(Picture::NEXT, (role, meaning), Shape::Points(places));
             }
         }
     }

@@ -56,7 +56,6 @@ impl Probe<'_> {
         (self.is_over() && !is_whole).then(|| Grid::from_fn(costs.width(), costs.height(), left_out))
     }
 
-    /// The candidates between pixels.
     fn between(&self) -> Vec<BetweenPixels> {
         let between = self.candidates().map(|(tested, _)| tested).filter(|tested| tested.fraction != [0.0; 2]);
         between.map(|tested| BetweenPixels { at: tested.vector(), value: tested.cost as f32 }).collect()
@@ -118,7 +117,7 @@ impl Probe<'_> {
         if self.at_hand().is_some() { Role::Candidate } else { Role::Best }
     }
 
-    /// Adds the facts: the block, the candidates tested, the one at hand, and the best.
+    /// Adds the facts: the block, the candidates tested, the current one, and the best.
     pub(super) fn facts(&self, step: Step) -> Step {
         let (block, settings, skipped) = (self.block(), &self.settings, self.skipped_here());
         let (whole, between) = (self.whole_tested(), self.tested() - self.whole_tested());
@@ -197,11 +196,11 @@ impl Probe<'_> {
         }
         let known = || values.cells().iter().copied().filter(|cost| cost.is_finite());
         let range = [known().fold(f32::INFINITY, f32::min), known().fold(0.0, f32::max)];
-        Some(Tile { label, role: None, values, range, framed: Vec::new() })
+        Some(Tile::new(label, values, range))
     }
 
     /// Adds the formula of the cost of the candidate that is shown, with its numbers.
-    pub(super) fn summed(&self, step: Step) -> Step {
+    pub(super) fn add_cost(&self, step: Step) -> Step {
         let Some((candidate, rows)) = self.shown() else { return step };
         let ((a, b), cost, [u, v]) = (self.patches(candidate), self.settings.matching.cost, candidate.vector());
         let distortion = self.rate.distortion(candidate);
@@ -215,11 +214,11 @@ impl Probe<'_> {
         let step = match cost.sum() {
             Some(sum) => {
                 let step = self.sum_of(step.put(value::ROWS_SUMMED, rows), sum, &next, (&a, &b));
-                self.pointed(step, sum, rows, [&a, &b])
+                self.add_pixel_term(step, sum, rows, [&a, &b])
             }
             None => self.whole_equation(step, &next, &a, &b),
         };
-        self.rated(step, candidate)
+        self.add_rate(step, candidate)
     }
 
     /// Adds a sum over the pixels, of which the first rows may be summed only.
@@ -267,7 +266,7 @@ impl Probe<'_> {
     }
 
     /// Adds the term of the pixel pointed at, if it lies in one of the first `rows` of the block.
-    fn pointed(&self, step: Step, sum: Sum, rows: usize, cuts: [&Cut; 2]) -> Step {
+    fn add_pixel_term(&self, step: Step, sum: Sum, rows: usize, cuts: [&Cut; 2]) -> Step {
         let focus = self.focus.filter(|point| point.iter().all(|c| *c > -0.5));
         let Some([x, y]) = focus.map(|point| point.map(|c| c.round() as usize)) else { return step };
         let Block { x: left, y: top, width, .. } = self.block();
@@ -284,7 +283,7 @@ impl Probe<'_> {
     }
 
     /// Adds the rate term of the displacement and the cost with it; nothing for λ = 0.
-    fn rated(&self, step: Step, candidate: Match) -> Step {
+    fn add_rate(&self, step: Step, candidate: Match) -> Step {
         if self.settings.refinement.lambda == 0.0 {
             return step;
         }
@@ -304,7 +303,7 @@ impl Probe<'_> {
     }
 
     /// Adds the formula of the bound by which a candidate was skipped, with the sums of the parts.
-    pub(super) fn bounded(&self, step: Step, skipped: &Skipped) -> Step {
+    pub(super) fn add_bound(&self, step: Step, skipped: &Skipped) -> Step {
         let (a, b) = self.patches(Match::whole(skipped.displacement, 0.0));
         let [own, others] = [a, b].map(|cut| Parts::of(&cut, skipped.side).sums);
         let (cost, [u, v]) = (self.settings.matching.cost, skipped.displacement);
@@ -332,16 +331,11 @@ impl Probe<'_> {
             Some(sum @ Sum::Squared) => ("difference²", terms(sum), 255.0 * 255.0),
             None => self.whole_tile(&a, &b),
         };
-        let tile = |label, role, values, top| Tile { label, role, values, range: [0.0, top], framed: Vec::new() };
+        let candidate = if self.is_over() { "best match" } else { "candidate" };
         vec![
-            tile("block", Some(Role::Reference), grid(&|x, y| f32::from(a.pixel(x, y))), 255.0),
-            tile(
-                if self.is_over() { "best match" } else { "candidate" },
-                Some(self.shown_role()),
-                grid(&|x, y| f32::from(b.pixel(x, y))),
-                255.0,
-            ),
-            tile(label, Some(Role::Error), differences, top),
+            Tile::gray("block", grid(&|x, y| f32::from(a.pixel(x, y)))).with_role(Role::Reference),
+            Tile::gray(candidate, grid(&|x, y| f32::from(b.pixel(x, y)))).with_role(self.shown_role()),
+            Tile::new(label, differences, [0.0, top]).with_role(Role::Error),
         ]
     }
 
@@ -372,17 +366,17 @@ impl Probe<'_> {
             best.push([number, y]);
         }
         Series {
-            title: "Cost by candidate",
-            x_label: "candidate",
-            y_label: self.settings.label(),
-            x_max: if self.is_over() { number as usize } else { ahead(number as usize) },
             events,
-            lines: [("candidate", Role::Candidate, tested), ("lower bound", Role::Rejected, bounds)]
-                .into_iter()
-                .chain([("minimum so far", Role::Best, best)])
-                .filter(|(name, _, points)| *name != "lower bound" || !points.is_empty())
-                .collect(),
-            ..Series::default()
+            ..Series::new(
+                "Cost by candidate",
+                ["candidate", self.settings.label()],
+                if self.is_over() { number as usize } else { ahead(number as usize) },
+                [("candidate", Role::Candidate, tested), ("lower bound", Role::Rejected, bounds)]
+                    .into_iter()
+                    .chain([("minimum so far", Role::Best, best)])
+                    .filter(|(name, _, points)| *name != "lower bound" || !points.is_empty())
+                    .collect(),
+            )
         }
     }
 }

@@ -241,7 +241,6 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// The block grid of a picture.
     pub(crate) fn grid(&self, picture: (usize, usize)) -> BlockGrid {
         super::grid(picture, self.matching.block_size, self.refinement.spacing)
     }
@@ -263,7 +262,7 @@ impl Settings {
     }
 
     /// Puts a cost without the rate term, with its name, and the threshold that it is compared with.
-    pub(crate) fn compared(&self, step: Step, distortion: f64, threshold: f64) -> Step {
+    pub(crate) fn tell_comparison(&self, step: Step, distortion: f64, threshold: f64) -> Step {
         let plain = self.without_rate();
         step.put(value::MEASURE, plain.measure())
             .put_value(plain.cost(value::DISTORTION, distortion))

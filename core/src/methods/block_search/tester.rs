@@ -24,7 +24,7 @@ pub(crate) struct Workspace {
     pub sums: Vec<u32>,
     /// The costs of a whole search window, where they are no sums.
     pub window_costs: Vec<f64>,
-    /// What the costs of a whole search window are worked out from.
+    /// Working memory for the costs of a whole search window.
     pub windows: Windows,
     /// The order of the candidates of a search window, and that window.
     pub order: (Option<Window>, Vec<u32>),

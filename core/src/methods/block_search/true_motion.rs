@@ -15,7 +15,7 @@ const OCCLUDED: f64 = 0.5;
 /// No search range is longer, in px.
 const LONGEST_PX: f32 = 65_536.0;
 
-/// Where the true displacement stands among the candidates of the search window.
+/// The place of the true displacement among the candidates of the search window.
 pub(super) enum Standing {
     /// The nearest candidate.
     Candidate(Displacement),
@@ -71,7 +71,7 @@ impl Probe<'_> {
         })
     }
 
-    /// Where a true displacement in px stands in the search window.
+    /// The place of a true displacement in px in the search window.
     fn standing(&self, truth: [f32; 2]) -> Standing {
         let at = truth.map(|c| c.clamp(-LONGEST_PX, LONGEST_PX).round() as i32);
         let length = at.map(i32::unsigned_abs).into_iter().max().unwrap_or(0) as usize;

@@ -47,7 +47,6 @@ impl Probe<'_> {
         step.formula(r"=\, {distortion}")
     }
 
-    /// The means of block and candidate.
     fn means(&self, a: &Cut, b: &Cut) -> [f64; 2] {
         let count = self.block().width * self.block().height;
         [0, 1].map(|of| (0..count).map(|i| f64::from(self.pixels(a, b, i)[of])).sum::<f64>() / count as f64)

@@ -1,4 +1,4 @@
-//! What full search finds in a search window: worked out only to explain a step.
+//! The result of full search in a search window, computed only to explain a step.
 
 use super::probe::Probe;
 use super::{Displacement, Match, Patch, Window, shorter};
@@ -23,7 +23,7 @@ impl Probe<'_> {
         let Patch { block: cut, area } = &patch;
         match kind.sum() {
             Some(Sum::Absolute) => cost::window(cut, area, window.size, &mut sums),
-            Some(Sum::Squared) => windows.squared(cut, area, window.size, &mut sums),
+            Some(Sum::Squared) => windows.squared_differences(cut, area, window.size, &mut sums),
             None => kind.window(cut, area, window.size, (&mut windows, &mut costs)),
         }
         if kind.sum().is_some() {

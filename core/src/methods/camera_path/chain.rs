@@ -72,7 +72,7 @@ pub enum Refused {
     Worse {
         /// Mean absolute difference of the frames registered by it, in gray levels.
         registered: f64,
-        /// That of the frames as they are, at the same pixels.
+        /// The same difference of the unregistered frames, at the same pixels.
         at_rest: f64,
     },
     /// It bends the picture, and the gray levels of most pixels contradict it.
@@ -81,7 +81,7 @@ pub enum Refused {
         bend_px: f64,
         /// Median absolute difference of the frames registered by it, in gray levels.
         registered: f64,
-        /// That of the frames as they are, at the same pixels.
+        /// The same difference of the unregistered frames, at the same pixels.
         at_rest: f64,
     },
     /// Chained to the motions before, it gives a map without an inverse.
@@ -139,7 +139,8 @@ pub fn usable(field: &ModelField, frames: [&Gray; 2]) -> Result<Matrix3, Refused
 
 /// Inliers from which on the matches alone are evidence.
 const MANY_INLIERS: usize = 16;
-/// Frames that differ by more than this many times their difference at rest, and by so many gray levels of noise, contradict a motion.
+/// Frames that differ by more than this many times their difference at rest, and by this many gray levels of noise,
+/// contradict a motion.
 const WORSE: f64 = 1.25;
 const NOISE: f64 = 0.05;
 /// The median of whole gray levels is known to half a level.
@@ -158,7 +159,7 @@ fn is_bend(bend_px: f64, picture: (usize, usize)) -> bool {
     bend_px > BENT * diagonal(picture)
 }
 
-/// The map from the first frame after one more motion; `None` if it has no inverse.
+/// The map from the first frame after a further motion; `None` if it has no inverse.
 fn composed(motion: &Matrix3, before: &Matrix3) -> Option<Matrix3> {
     normalised(&product(motion, before)).filter(|after| inverse(after).is_some())
 }
@@ -211,7 +212,7 @@ impl Chain {
         }
     }
 
-    /// What the motion stage processes at frame `now`: behind the last pair that pair.
+    /// The pair that the motion stage processes at frame `now`; after the last pair, that pair.
     ///
     /// # Errors
     /// If a frame cannot be read.

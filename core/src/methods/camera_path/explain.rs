@@ -3,27 +3,12 @@
 use super::chain::pairs_line as line;
 use super::{Chain, Link, Refused, outline};
 use crate::data::Clip;
-use crate::geometry::Grid;
 use crate::products::model::{Matrix3, Support, inverse, mapped, product};
 use crate::products::path::{chained, corner_error, middle, track, true_motions};
 use crate::scene::{
     Case, Matrix, Name, Number, Picture, Question, Readout, Reply, Role, Scene, Series, Shape, Step, Unit, Value,
 };
 use crate::{cases, variables};
-
-/// A matrix with its symbol and its name, to be shown.
-pub fn matrix(symbol: &'static str, name: &'static str, role: Role, entries: &Matrix3) -> Matrix {
-    Matrix {
-        symbol,
-        name,
-        role: Some(role),
-        entries: Grid::from_fn(3, 3, |x, y| entries[y][x]),
-        rows: Vec::new(),
-        columns: Vec::new(),
-        changed: None,
-        decimals: None,
-    }
-}
 
 variables! { pub mod value;
     /// The frame, or the first frame of the pair.
@@ -136,7 +121,7 @@ pub fn estimate_step(chain: &Chain, link: &Link, (stage, clip): (&str, &Clip)) -
             step.say(why).say(case::AT_REST)
         }
     };
-    let motion = matrix("M", "motion of the pair", Role::Measured, &link.motion);
+    let motion = Matrix::of_rows("M", "motion of the pair", &link.motion).with_role(Role::Measured);
     step.show(Readout::Matrices(vec![motion])).show_all(path_series(chain, &[], clip))
 }
 
@@ -167,14 +152,13 @@ pub fn chain_step([chain, chained]: [&Chain; 2], link: &Link, clip: &Clip) -> St
     let back = inverse(&link.after).map_or([f64::NAN; 2], |back| displacement(&back, chain.picture));
     let step = pair_step(line::CHAIN, chain, link).fact(value::PAIRS, chain.motions.len() + 1);
     let matrices = vec![
-        matrix("M", "motion of the pair", Role::Measured, &link.motion),
-        matrix("P", "from the first frame", Role::Result, &link.after),
+        Matrix::of_rows("M", "motion of the pair", &link.motion).with_role(Role::Measured),
+        Matrix::of_rows("P", "from the first frame", &link.after).with_role(Role::Result),
     ];
     let step = step.put(value::VIEW_MOTION, back).say(case::CHAINED).show(Readout::Matrices(matrices));
     step.show_all(path_series(chained, &[], clip))
 }
 
-/// A step of a pair with its numbers.
 fn pair_step(line: Name, chain: &Chain, link: &Link) -> Step {
     let (size, frames) = (chain.picture, [chain.frame, chain.frame + 1]);
     let step = Step::at(line).put(value::FRAME, frames[0]).put(value::NEXT_FRAME, frames[1]);
@@ -245,7 +229,7 @@ pub fn path_series(chain: &Chain, corrections: &[Matrix3], clip: &Clip) -> Vec<R
         return Vec::new();
     }
     let smooth: Vec<_> = corrections.iter().zip(maps).map(|(correction, map)| product(correction, map)).collect();
-    // A truth that cannot be read is said with the pair that needs it.
+    // Unreadable truth is reported with the pair that needs it.
     let truth = true_motions(clip, (chain.span.first, maps.len() - 1)).unwrap_or_default().map(|all| chained(&all));
     let line = |maps: &[Matrix3], axis: usize| -> Vec<[f32; 2]> {
         let places = track(maps, size);
@@ -258,13 +242,8 @@ pub fn path_series(chain: &Chain, corrections: &[Matrix3], clip: &Clip) -> Vec<R
             lines.push(("smoothed", Role::Result, line(&smooth, axis)));
         }
         Readout::Series(Series {
-            title,
-            x_label: "frame",
-            y_label,
-            x_max: chain.span.first + chain.frames().unwrap_or(maps.len()) - 1,
-            lines,
             fits_values: true,
-            ..Series::default()
+            ..Series::new(title, ["frame", y_label], chain.span.first + chain.frames().unwrap_or(maps.len()) - 1, lines)
         })
     };
     vec![series(0, "Path of the camera along x", "x in px"), series(1, "Path of the camera along y", "y in px")]
@@ -279,8 +258,7 @@ pub fn draw_outline(
 ) {
     if let Some(corners) = corners {
         let points = corners.iter().map(|at| at.map(|c| c as f32)).collect();
-        scene.mark(on, role, Shape::Path { points, closed: true });
-        scene.legend(role, meaning);
+        scene.draw(on, (role, meaning), Shape::outline(points));
     }
 }
 
@@ -293,13 +271,12 @@ pub fn draw_link(chain: &Chain, link: &Link, scene: &mut Scene) {
     draw_path(chain, &link.before, scene);
 }
 
-/// Draws where the camera looked at in the frames so far, in the frame to which `to_frame` maps the first one.
+/// Draws the path of the camera's view through the frames so far, in the frame to which `to_frame` maps the first one.
 fn draw_path(chain: &Chain, to_frame: &Matrix3, scene: &mut Scene) {
     let places = track(&chain.to_frames, chain.picture);
     let reach = 2.0 * chain.picture.0.max(chain.picture.1) as f64;
     let here = places.iter().filter_map(|at| mapped(to_frame, *at));
     let points: Vec<_> = here.filter(|at| at.iter().all(|c| c.abs() < reach)).map(|at| at.map(|c| c as f32)).collect();
     scene.mark(Picture::CURRENT, Role::Measured, Shape::Points(points.last().copied().into_iter().collect()));
-    scene.mark(Picture::CURRENT, Role::Measured, Shape::Path { points, closed: false });
-    scene.legend(Role::Measured, "path of the frame centre");
+    scene.draw(Picture::CURRENT, (Role::Measured, "path of the frame centre"), Shape::line(points));
 }

@@ -14,7 +14,5 @@ pub(crate) use chain::path_pseudocode;
 pub use chain::{Chain, Link, Refused, usable};
 pub use differences::differences;
 pub(crate) use explain::DIRECTION;
-pub use explain::{
-    chain_step, conclude, displacement, draw_link, draw_outline, estimate_step, matrix, path_series, refusal,
-};
+pub use explain::{chain_step, conclude, displacement, draw_link, draw_outline, estimate_step, path_series, refusal};
 pub use smooth::correction;

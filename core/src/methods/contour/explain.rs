@@ -1,4 +1,4 @@
-//! What all contours explain and draw alike.
+//! Explanations and drawings shared by all contours.
 
 use super::vocabulary::{case, value};
 use super::{Edges, LEAST_AREA_PX, Model, Point, Verdict};
@@ -9,7 +9,7 @@ use crate::scene::{Arrow, Case, Picture, Role, Scene, Shape, Step};
 /// The distance of drawn arrows in px.
 const ARROWS_PX: usize = 6;
 
-/// Tells how the edges of a frame were found around a contour of so many points.
+/// Tells how the edges of a frame were found around a contour of this many points.
 pub(crate) fn edges(step: Step, edges: &Edges, (sigma_px, points): (f32, usize)) -> Step {
     let (width, height) = edges.strength.size();
     let step = step.put(value::WINDOW_WIDTH, width).put(value::WINDOW_HEIGHT, height).put(value::SIGMA, sigma_px);
@@ -27,8 +27,7 @@ fn judgement(verdict: &Verdict) -> (&'static Case, Option<&'static Case>) {
     }
 }
 
-/// Tells the judgement of a fit.
-pub(crate) fn judged(step: Step, verdict: &Verdict, min_edge_strength: f32) -> Step {
+pub(crate) fn tell_verdict(step: Step, verdict: &Verdict, min_edge_strength: f32) -> Step {
     let step = step.fact(value::EDGE_STRENGTH, verdict.strength).fact(value::AREA, verdict.area);
     let step = step.put(value::ENCLOSED, verdict.area.abs()).put(value::LEAST_AREA, LEAST_AREA_PX);
     step.put(value::MIN_EDGE_STRENGTH, min_edge_strength).say(case::JUDGED).say(judgement(verdict).0)
@@ -58,18 +57,14 @@ pub(crate) fn advice(step: Step, ending: Ending, (verdict, reach): (Option<&Verd
     told.iter().fold(step, |step, case| step.say(case))
 }
 
-/// Points as those of a mark.
 fn marked(points: &[Point]) -> Vec<[f32; 2]> {
     points.iter().map(|at| at.map(|c| c as f32)).collect()
 }
 
-/// Draws a contour.
 pub(crate) fn contour(scene: &mut Scene, (role, meaning): (Role, &'static str), points: &[Point]) {
-    scene.mark(Picture::CURRENT, role, Shape::Path { points: marked(points), closed: true });
-    scene.legend(role, meaning);
+    scene.draw(Picture::CURRENT, (role, meaning), Shape::outline(marked(points)));
 }
 
-/// Draws the points of a contour.
 pub(crate) fn dots(scene: &mut Scene, role: Role, points: &[Point]) {
     scene.mark(Picture::CURRENT, role, Shape::Points(marked(points)));
 }
@@ -81,8 +76,7 @@ pub(crate) fn heat(scene: &mut Scene, name: &'static str, (origin, values): ([us
     scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin: origin.map(|c| c as f32), values });
     scene.heat = Some(name);
     let [x, y] = origin.map(|c| c as i32);
-    scene.mark(Picture::CURRENT, Role::Window, Shape::pixels(x, y, width, height));
-    scene.legend(Role::Window, "window");
+    scene.draw(Picture::CURRENT, (Role::Window, "window"), Shape::pixels(x, y, width, height));
 }
 
 /// Draws a force as arrows, the longest as long as their distance.
@@ -102,8 +96,7 @@ pub(crate) fn arrows(scene: &mut Scene, [left, top]: [usize; 2], values: &Grid<[
         Arrow { from, to: [0, 1].map(|i| from[i] + scale * force[i]) }
     };
     let all = steps(height).flat_map(|y| steps(width).map(move |x| (x, y))).map(arrow).collect();
-    scene.mark(Picture::CURRENT, Role::Predicted, Shape::Arrows(all));
-    scene.legend(Role::Predicted, "external force, √ of its length");
+    scene.draw(Picture::CURRENT, (Role::Predicted, "external force, √ of its length"), Shape::Arrows(all));
 }
 
 /// Draws the result of a frame.

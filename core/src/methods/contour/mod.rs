@@ -41,13 +41,14 @@ pub struct Model {
 }
 
 impl Model {
-    /// The model after a fit with the mean edge strength `similarity`; a lost one leaves contour and region as they were.
+    /// The model after a fit; a lost one leaves contour and region as they were `before`.
     pub(crate) fn of(
-        (picture, before, region): ((usize, usize), &Arc<[Point]>, Region),
-        (points, similarity, is_lost): (Vec<Point>, f32, bool),
+        picture: (usize, usize),
+        (before, region): (&Arc<[Point]>, Region),
+        points: Vec<Point>,
+        &Verdict { strength: similarity, is_lost, .. }: &Verdict,
     ) -> Self {
-        let found = polygon::bounds(&points).filter(|_| !is_lost);
-        match found {
+        match polygon::bounds(&points).filter(|_| !is_lost) {
             Some(bounds) => {
                 let result = RegionFrame { region: bounds.into(), similarity, is_lost: false };
                 Self { points: points.into(), picture, result }

@@ -1,4 +1,4 @@
-//! What curves of points share: their parameters, their points, and whether a fit is accepted.
+//! Parts shared by curves of points: parameters, points, and the acceptance of a fit.
 
 use super::vocabulary::{case, value};
 use super::{Edges, LEAST_AREA_PX, Placement, Point};
@@ -52,16 +52,14 @@ impl Snake {
         polygon::resampled(points, count.clamp(LEAST_POINTS, MOST_POINTS))
     }
 
-    /// The edges of a frame around the contour.
     pub(crate) fn edges(&self, frame: &Frame, points: &[Point]) -> Edges {
         Edges::around(frame.luma(), points, (self.sigma, self.margin))
     }
 
-    /// Judges a contour at the end of its fit.
     pub(crate) fn judge(&self, edges: &Edges, points: &[Point]) -> Verdict {
         let strength = points.iter().map(|at| edges.strength_at(*at)).sum::<f32>() / points.len() as f32;
         let (area, crosses) = (polygon::area(points), polygon::crossing(points).is_some());
-        // What is not a number is no sound contour either.
+        // A contour with NaN coordinates is unsound, too.
         let is_sound = !crosses && area >= LEAST_AREA_PX && strength >= self.min_edge_strength;
         Verdict { strength, area, crosses, is_lost: !is_sound }
     }

@@ -11,7 +11,7 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex, num_complex::Complex
 use crate::base::wide::widest;
 use crate::geometry::Gray;
 
-/// Frequencies that stand beside each other: so many registers hold at once.
+/// Frequencies side by side: as many as registers hold at once.
 const LANES: usize = 8;
 /// The real and the imaginary parts of as many frequencies.
 type Lanes = [[f64; LANES]; 2];
@@ -81,7 +81,7 @@ pub struct Products {
     area: Spectra,
     /// Rows of the template, and rows before and after it.
     reach: usize,
-    /// The spectra of the rows of places at hand.
+    /// The spectra of the current rows of places.
     spectra: [Vec<Complex<f64>>; BELOW],
     row: Vec<f64>,
     scratch: Vec<Complex<f64>>,
@@ -109,7 +109,7 @@ impl Products {
         }
         let Self { plan, spectra, row, scratch, .. } = self;
         let spectrum = &mut spectra[j % BELOW][..plan.length / 2 + 1];
-        // Real by nature; what rounding leaves would be refused.
+        // Real in theory; the transform would reject imaginary parts left by rounding.
         spectrum[0].im = 0.0;
         spectrum[plan.length / 2].im = 0.0;
         plan.inverse.process_with_scratch(spectrum, row, scratch).ok();

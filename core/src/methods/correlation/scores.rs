@@ -125,7 +125,7 @@ fn one_minus(both: f64, [a, b]: [f64; 2]) -> f64 {
     if a > 0.0 && b > 0.0 { 1.0 - both / (a * b).sqrt() } else { 1.0 }
 }
 
-/// The faster way for a template of this size at so many columns and rows of places.
+/// The faster way for a template of this size at this many columns and rows of places.
 pub fn faster(score: Score, (width, height): (usize, usize), (columns, rows): (usize, usize)) -> Evaluation {
     let [width, height, columns, rows] = [width, height, columns, rows].map(|c| c as f64);
     let (reach, down) = (columns + width, rows + height);
@@ -201,7 +201,7 @@ impl Sums {
 
 /// The sums of a row of places.
 struct Row<'a> {
-    /// Those of the template alone.
+    /// The moments of the template alone.
     own: Moments,
     /// By place: Σ b (which only the zero-mean score needs), Σ b² and Σ a·b.
     sums: &'a [u32],

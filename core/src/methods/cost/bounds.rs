@@ -8,7 +8,7 @@ use super::{Cut, Sum};
 use crate::base::wide::wide;
 use crate::geometry::{Border, Gray};
 
-/// Candidates beside each other whose bounds are worked out at once.
+/// Candidates side by side whose bounds are computed at once.
 pub const LANES: usize = 8;
 
 /// Sums of gray levels over square parts, at every place of an area.

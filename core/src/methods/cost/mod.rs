@@ -239,7 +239,7 @@ mod tests {
             };
             let picture = Grid::from_fn(120, 120, noise);
             let (mut block, mut area) = (Cut::default(), Cut::default());
-            // A larger cut first: what is left of it in the buffer must not count.
+            // A larger cut first: its leftovers in the buffer must not count.
             area.take(&picture, (0, 0), (120, 120), Border::Mirror);
             block.take(&picture, (3, 5), (width, height), Border::Replicate);
             area.take(&picture, (-7, 20), (width + columns - 1, height + rows - 1), Border::Replicate);
@@ -247,7 +247,7 @@ mod tests {
                 let mut costs = Vec::new();
                 match sum {
                     Sum::Absolute => window(&block, &area, (columns, rows), &mut costs),
-                    Sum::Squared => Windows::default().squared(&block, &area, (columns, rows), &mut costs),
+                    Sum::Squared => Windows::default().squared_differences(&block, &area, (columns, rows), &mut costs),
                 }
                 let expected = textbook(sum, &block, &area, (columns, rows));
                 prop_assert_eq!(&costs, &expected);

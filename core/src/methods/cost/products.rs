@@ -44,7 +44,7 @@ impl Products {
         let reach = (self.stride + 2 * size.0, rows.next_multiple_of(BELOW) + block.height);
         self.area.clear();
         self.area.resize(reach.0 * reach.1, 0);
-        // What lies beyond the area counts for no place that is asked for.
+        // Pixels beyond the area affect no requested place.
         for (y, pairs) in self.area.chunks_exact_mut(reach.0).enumerate().take(area.height) {
             take_row(&area.row(0, y)[..area.width + 1], pairs);
         }

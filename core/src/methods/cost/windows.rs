@@ -1,6 +1,6 @@
 //! The costs of a whole search window, for all costs but the sum of absolute differences.
 //!
-//! What depends on the candidate alone is summed for all places at once: its gray levels and their squares in boxes that slide, its
+//! Sums over the candidate alone are computed for all places at once: its gray levels and their squares in boxes that slide, its
 //! Hadamard transform for every place of the area. All sums are whole numbers, equal to those of [`whole`](super::whole) and
 //! [`until`](super::until), as a test checks. None of them can overflow; they wrap, so that no build checks it number by number.
 
@@ -11,7 +11,7 @@ use crate::base::wide::wide;
 /// Side of a tile of the Hadamard transform, and its coefficients.
 const TILE: usize = 4;
 const COEFFICIENTS: usize = TILE * TILE;
-/// Candidates beside each other that are worked out at once.
+/// Candidates side by side that are computed at once.
 const LANES: usize = 16;
 
 /// Buffers reused from block to block.
@@ -33,7 +33,7 @@ type Size = (usize, usize);
 
 impl Windows {
     /// The sums of squared differences: Σ a² + Σ b² − 2 Σ a·b.
-    pub fn squared(&mut self, block: &Cut, area: &Cut, size: Size, costs: &mut Vec<u32>) {
+    pub fn squared_differences(&mut self, block: &Cut, area: &Cut, size: Size, costs: &mut Vec<u32>) {
         self.products.compute(block, area, size);
         let boxes = Boxes { block: (block.width, block.height), size };
         box_sums::<true>(&mut self.squares, area, boxes, &mut self.columns);
@@ -137,7 +137,7 @@ impl<'a, const SQUARED: bool> Sliding<'a, SQUARED> {
         self.row += 1;
     }
 
-    /// Adds a row of pixels to the sums of columns, so many times.
+    /// Adds a row of pixels to the sums of columns, this many times.
     fn add_pixels(&mut self, y: usize, times: u32) {
         let reach = self.columns.len() / 3;
         let add = if SQUARED { add_squares } else { add_levels };
@@ -159,7 +159,7 @@ fn add_row_of_pixels<const SQUARED: bool>(columns: &mut [u32], row: &[u8], times
 
 wide!(fn add_runs(runs: &mut [u32], width: usize, sums: &mut [u32]) = add_runs_of);
 
-/// Adds the sums of `width` numbers from each of the first half of `runs` on; what `runs` holds is lost.
+/// Adds the sums of `width` numbers from each of the first half of `runs` on; overwrites `runs`.
 #[inline(always)]
 fn add_runs_of(runs: &mut [u32], width: usize, sums: &mut [u32]) {
     let (mut now, mut next) = runs.split_at_mut(runs.len() / 2);
@@ -211,7 +211,7 @@ fn correlations_of(row: &Sums<'_>, costs: &mut [f64]) {
     }
 }
 
-/// Copies the pixels of `area` into rows of `stride`; what lies beyond it counts for no place that is asked for.
+/// Copies the pixels of `area` into rows of `stride`; pixels beyond it affect no requested place.
 fn widen(pixels: &mut Vec<i16>, area: &Cut, stride: usize) {
     pixels.clear();
     pixels.resize(stride * area.height, 0);
@@ -344,7 +344,6 @@ impl Tiles {
     }
 }
 
-/// The coefficients of a tile of a block.
 fn of_tile(block: &Cut, (x, y): (usize, usize), (width, height): (usize, usize)) -> [i16; COEFFICIENTS] {
     let mut rows = [[0i16; TILE]; TILE];
     for (j, row) in rows.iter_mut().enumerate().take(height) {
@@ -404,7 +403,7 @@ fn butterfly_lanes([a, b, c, d]: [[i16; LANES]; TILE]) -> [[i16; LANES]; TILE] {
 
 wide!(fn add_row(transform: &Transform, tiles: &Tiles, own: &[[i16; COEFFICIENTS]], j: usize, sums: &mut [u32]) = add_row_of);
 
-/// Adds what the candidates of row `j` differ by.
+/// Adds the differences of the candidates of row `j`.
 #[inline(always)]
 fn add_row_of(transform: &Transform, tiles: &Tiles, own: &[[i16; COEFFICIENTS]], j: usize, sums: &mut [u32]) {
     let stride = transform.stride;
@@ -448,7 +447,7 @@ mod tests {
             };
             let picture = Grid::from_fn(120, 120, noise);
             let (mut block, mut area) = (Cut::default(), Cut::default());
-            // A larger cut first: what is left of it in the buffer must not count.
+            // A larger cut first: its leftovers in the buffer must not count.
             area.take(&picture, (0, 0), (120, 120), Border::Mirror);
             block.take(&picture, (3, 5), (width, height), Border::Replicate);
             area.take(&picture, (-7, 20), (width + columns - 1, height + rows - 1), Border::Replicate);
@@ -477,7 +476,7 @@ mod tests {
         for picture in [Grid::new(70, 70, 0), Grid::new(70, 70, 255), checkers] {
             area.take(&picture, (0, 0), (66, 66), Border::Replicate);
             let (mut windows, mut sums, mut costs) = (Windows::default(), Vec::new(), Vec::new());
-            windows.squared(&block, &area, (3, 3), &mut sums);
+            windows.squared_differences(&block, &area, (3, 3), &mut sums);
             let squared = (0..9)
                 .map(|k| super::super::until(super::super::Sum::Squared, &block, &area, (k % 3, k / 3), u32::MAX).0);
             assert!(squared.eq(sums));

@@ -69,7 +69,7 @@ unsafe fn row_pairs<const SQUARED: bool>(block: &Cut, pixels: &[u8], stride: usi
 /// The columns from `x` on that `load` reads, the rest of its register being zero.
 ///
 /// # Safety
-/// What `load` reads at column `x` of any row of the block and of the candidate must lie inside their pixels.
+/// The bytes that `load` reads at column `x` of any row of the block and of the candidate must lie inside their pixels.
 #[inline(always)]
 unsafe fn strip<const SQUARED: bool>(
     block: &Cut,

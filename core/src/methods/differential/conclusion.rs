@@ -91,7 +91,7 @@ enum Cause {
     Edge([f32; 2]),
     /// The smaller eigenvalue is about as large as noise makes it.
     Weak([f32; 2]),
-    /// Neighbours within 2 px move differently, by up to so many px.
+    /// Neighbours within 2 px move differently, by up to this many px.
     Boundary(f32),
     /// The true motion, in px, is large on the coarsest level, or more than twice the estimate.
     Large(f32),
@@ -105,7 +105,7 @@ enum Cause {
 const TEXTURE: f32 = 1.0;
 /// Noise with a standard deviation of 3 gray levels gives eigenvalues of about this, in (gray levels per px)².
 const NOISE: f32 = 4.5;
-/// How many times the noise a gradient in one direction must be to count as an edge.
+/// Factor by which a gradient in one direction must exceed the noise to count as an edge.
 const EDGE: f32 = 4.0;
 /// Neighbours that differ by more are a motion boundary, in px.
 const BOUNDARY_PX: f32 = 1.0;
@@ -119,7 +119,7 @@ const REACH_PX: f32 = 3.0;
 const REACH: usize = 2;
 
 impl Conclusion {
-    /// Judges `flow` between two frames; a pixel of the coarsest level is so many px wide, 1 without a pyramid.
+    /// Judges `flow` between two frames; a pixel of the coarsest level is `coarsest_px` wide, 1 without a pyramid.
     pub fn new(frames: &FramePair, flow: &Flow, coarsest_px: f32) -> Self {
         let (width, height) = frames.size();
         let places = || (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));

@@ -104,9 +104,9 @@ impl View {
     /// The share of the reach that the displacements take up at most, and the steps of the middle in it.
     const FILLED: f32 = 0.75;
     const STEP: f32 = 0.25;
-    /// Lines are taken in while the plane stays so many times as wide as its displacements need.
+    /// Lines are included as long as the plane is at most this many times as wide as its displacements need.
     const FOR_LINE: f32 = 4.0;
-    /// Of so few lines each is looked at by itself.
+    /// Up to this many lines are considered one by one.
     const FEW: usize = 2;
 
     /// The part that shows `points` with some margin, and of few `lines` each that does not lie much farther away.
@@ -237,18 +237,12 @@ fn put_parts(step: Step, all: [f32; 3], decimals: usize) -> Step {
 
 fn derivative_tiles(pictures: [(&'static str, Grid<f32>); 2], [x, y, t]: [Grid<f32>; 3]) -> Vec<Tile> {
     let [(first, current), (second, next)] = pictures;
-    let picture =
-        |label, role, values| Tile { label, role: Some(role), values, range: [0.0, 255.0], framed: Vec::new() };
-    let signed = |label, values: Grid<f32>| {
-        let most = values.cells().iter().filter(|v| v.is_finite()).fold(1.0f32, |most, v| most.max(v.abs()));
-        Tile { label, role: None, values, range: [-most, most], framed: Vec::new() }
-    };
     vec![
-        picture(first, Role::Reference, current),
-        picture(second, Role::Candidate, next),
-        signed("I_x", x),
-        signed("I_y", y),
-        signed("I_t", t),
+        Tile::gray(first, current).with_role(Role::Reference),
+        Tile::gray(second, next).with_role(Role::Candidate),
+        Tile::signed("I_x", x),
+        Tile::signed("I_y", y),
+        Tile::signed("I_t", t),
     ]
 }
 

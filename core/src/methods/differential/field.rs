@@ -62,8 +62,7 @@ impl Field {
 
 /// Draws a dense flow field.
 pub fn draw(values: Grid<[f32; 2]>, scene: &mut Scene) {
-    scene.mark(Picture::CURRENT, Role::Result, Shape::Flow { origin: [0.0; 2], values });
-    scene.legend(Role::Result, "estimated flow");
+    scene.draw(Picture::CURRENT, (Role::Result, "estimated flow"), Shape::Flow { origin: [0.0; 2], values });
 }
 
 #[cfg(test)]

@@ -32,7 +32,7 @@ impl System {
     pub fn new(linear: &Linear, alpha: f32, relaxation: Option<f32>, threads: &Threads) -> Self {
         let parts = [&linear.factors.a, &linear.factors.b, &linear.factors.c];
         let size @ (width, height) = parts[0].size();
-        let write = |y, rows: [&mut [f32]; 3]| scaled_row(parts.map(|part| part.row(y)), alpha, rows);
+        let write = |y, rows: [&mut [f32]; 3]| scale_row(parts.map(|part| part.row(y)), alpha, rows);
         if let Some(relaxation) = relaxation {
             return Self::Sor(sor::Factors::new(size, write, threads), relaxation);
         }
@@ -59,12 +59,12 @@ impl System {
 }
 
 widest! {
-    fn scaled_row(factors: [&[f32]; 3], alpha: f32, to: [&mut [f32]; 3]) = scaled
+    fn scale_row(factors: [&[f32]; 3], alpha: f32, to: [&mut [f32]; 3]) = scale
 }
 
 /// Divides a row of constraints by the root of α² + a² + b².
 #[inline(always)]
-fn scaled([a, b, c]: [&[f32]; 3], alpha: f32, [to_a, to_b, to_c]: [&mut [f32]; 3]) {
+fn scale([a, b, c]: [&[f32]; 3], alpha: f32, [to_a, to_b, to_c]: [&mut [f32]; 3]) {
     let share = |a: f32, b: f32| 1.0 / (alpha * alpha + a * a + b * b).sqrt();
     let (mut x, width) = (0, a.len());
     while let (Some(a), Some(b), Some(c)) = (lane(a, x), lane(b, x), lane(c, x)) {
@@ -135,7 +135,6 @@ widest! {
     fn data_row(factors: [&[f32]; 3], field: [&[f32]; 2]) -> f32 = data_of_row
 }
 
-/// The data term of a row.
 #[inline(always)]
 fn data_of_row([a, b, c]: [&[f32]; 3], [u, v]: [&[f32]; 2]) -> f32 {
     let squared = |a: f32, b: f32, c: f32, u: f32, v: f32| {

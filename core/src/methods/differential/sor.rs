@@ -176,7 +176,7 @@ impl<const N: usize> Band<'_, N> {
     }
 }
 
-/// Rows of u and v at hand with one more above and below, the columns of each by colour with a margin on either side.
+/// Rows of u and v in work with one more above and below, the columns of each by colour with a margin on either side.
 struct Held {
     rows: Rows,
     /// The first row of the picture that is held.

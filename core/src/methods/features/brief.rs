@@ -13,7 +13,7 @@ pub type Bits = [u64; BITS / 64];
 /// Offsets of the two windows that a bit compares.
 pub type Pair = [[i32; 2]; 2];
 
-/// The windows have 5×5 px: this is what they reach beyond their middle.
+/// Reach of the 5×5 px windows beyond their middle.
 pub const WINDOW_REACH: i32 = 2;
 
 /// The seed of the pattern: every run has the same one.

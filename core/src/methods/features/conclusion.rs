@@ -96,7 +96,6 @@ fn put_losses(step: Step, losses: &[(Loss, usize)]) -> Step {
     losses.iter().fold(step, |step, (loss, count)| step.put(loss.lost, *count))
 }
 
-/// The cases that tell the losses as a list.
 fn list(losses: &[(Loss, usize)]) -> Vec<&'static Case> {
     let mut cases: Vec<_> = losses.iter().flat_map(|(loss, _)| [loss.told, case::COMMA]).collect();
     cases.pop();

@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use super::declare::QUESTIONS;
 use super::response::Tensors;
+use super::scan::{Scan, Stage};
 use super::select::{Peaks, Settings, choose, largest, rank};
 use crate::base::{Error, Observer, Tally, Threads};
-use crate::data::{Clip, Frame};
+use crate::data::Clip;
 use crate::geometry::{Gray, Grid};
 use crate::params::{Params, inner_params};
-use crate::products::{Feature, Keypoint, Output, PointField, Product, ProductKind};
+use crate::products::{Output, PointField, Product, ProductKind};
 use crate::run::{
     Cursor, Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen,
 };
@@ -51,28 +52,8 @@ inner_params!(Corners<M: Measure>);
 /// The state of a run.
 #[derive(Clone)]
 pub struct State {
-    /// Frame t.
-    pub(super) picture: Arc<Frame>,
-    /// The response map; 0 in rows not yet computed.
-    pub(super) map: Arc<Grid<f32>>,
+    pub(super) scan: Scan<f32>,
     pub(super) largest: f32,
-    pub(super) stage: Stage,
-    /// The next row of this stage.
-    pub(super) row: usize,
-    /// The local maxima; once ranked, in order of decreasing response.
-    pub(super) peaks: Vec<u32>,
-    pub(super) kept: Vec<u32>,
-}
-
-/// The stages of a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Stage {
-    /// The response map, a row per unit.
-    Response,
-    /// Threshold and non-maximum suppression, a row per unit.
-    Suppression,
-    /// Selection by response and distance, in one unit.
-    Choice,
 }
 
 /// An event of a unit.
@@ -92,47 +73,13 @@ pub enum Event {
 
 impl State {
     fn new(clip: &Clip, frame: usize) -> Result<Self, Error> {
-        Ok(Self::of(clip.frame(frame)?))
-    }
-
-    fn of(picture: Arc<Frame>) -> Self {
-        let (width, height) = picture.size();
-        let map = Arc::new(Grid::new(width, height, 0.0));
-        Self { picture, map, largest: 0.0, stage: Stage::Response, row: 0, peaks: Vec::new(), kept: Vec::new() }
-    }
-
-    /// Returns the position of a row-major index.
-    pub(super) fn place(&self, index: u32) -> (usize, usize) {
-        let width = self.map.width();
-        (index as usize % width, index as usize / width)
-    }
-
-    fn next_row(&mut self, then: Stage) -> Progress {
-        self.row += 1;
-        if self.row == self.map.height() {
-            (self.stage, self.row) = (then, 0);
-        }
-        Progress::More
-    }
-
-    /// Returns the corners as features.
-    fn features(&self) -> PointField {
-        let feature = |&index: &u32| {
-            let (x, y) = self.place(index);
-            Feature::found([x as f32, y as f32])
-        };
-        let keypoint = |&index: &u32| Keypoint::of_response(self.map.cells()[index as usize]);
-        PointField {
-            picture: self.map.size(),
-            points: self.kept.iter().map(feature).collect(),
-            keypoints: self.kept.iter().map(keypoint).collect(),
-        }
+        Ok(Self { scan: Scan::new(clip.frame(frame)?), largest: 0.0 })
     }
 }
 
 impl<M: Measure> Corners<M> {
     pub(super) fn tensors<'a>(&self, state: &'a State) -> Tensors<'a> {
-        self.tensors_of(state.picture.luma())
+        self.tensors_of(state.scan.picture.luma())
     }
 
     fn tensors_of<'a>(&self, picture: &'a Gray) -> Tensors<'a> {
@@ -152,7 +99,7 @@ impl<M: Measure> Corners<M> {
     }
 
     pub(super) fn peaks<'a>(&self, state: &'a State) -> Peaks<'a> {
-        Peaks { map: &state.map, limit: self.0.settings().threshold * state.largest }
+        Peaks { map: &state.scan.map, limit: self.0.settings().threshold * state.largest }
     }
 
     /// Computes the responses of the rows from `first`, as many as `responses` holds.
@@ -177,21 +124,21 @@ impl<M: Measure> Corners<M> {
 
     /// Selects the strongest local maxima with the minimum distance.
     fn choose(&self, state: &mut State, observer: &mut impl Observer<Event>) {
-        state.peaks = rank(&state.map, &state.peaks);
+        state.scan.peaks = rank(&state.scan.map, &state.scan.peaks);
         observer.see(|| Event::Ranked);
         let tested = |peak, near| observer.see(|| Event::Peak(peak, near));
-        state.kept = choose(&state.peaks, state.map.size(), self.0.settings().selection, tested);
+        state.scan.kept = choose(&state.scan.peaks, state.scan.map.size(), self.0.settings().selection, tested);
     }
 
     /// Runs from start to end.
     fn whole(&self, mut state: State, threads: &Threads, tally: &impl Tally<Event>) -> State {
-        let height = state.map.height();
-        let map = self.map(state.picture.luma(), threads);
+        let height = state.scan.map.height();
+        let map = self.map(state.scan.picture.luma(), threads);
         // A response for each pixel; units are the rows of both passes and the choice.
         tally.add_events(map.cells().len() as u64);
-        tally.add_units(2 * height + 1);
+        tally.add_units(state.scan.units());
         state.largest = largest(map.cells());
-        state.map = Arc::new(map);
+        state.scan.map = Arc::new(map);
         let (peaks, rows) = (self.peaks(&state), threads.rows_at_once(height));
         let of_rows = threads.map(height.div_ceil(rows), |i| {
             let mut found = Vec::new();
@@ -199,8 +146,8 @@ impl<M: Measure> Corners<M> {
                 .for_each(|y| self.suppress(peaks, y, &mut found, &mut tally.counter()));
             found
         });
-        state.peaks = of_rows.concat();
-        (state.stage, state.row) = (Stage::Choice, 0);
+        state.scan.peaks = of_rows.concat();
+        (state.scan.stage, state.scan.row) = (Stage::Choice, 0);
         self.choose(&mut state, &mut tally.counter());
         state
     }
@@ -228,20 +175,20 @@ impl<M: Measure> Estimator for Corners<M> {
     }
 
     fn advance(&self, _: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
-        match state.stage {
+        match state.scan.stage {
             Stage::Response => {
-                let mut row = vec![0.0; state.map.width()];
-                self.respond(&self.tensors(state), state.row, &mut row);
+                let mut row = vec![0.0; state.scan.map.width()];
+                self.respond(&self.tensors(state), state.scan.row, &mut row);
                 row.iter().for_each(|response| observer.see(|| Event::Response(*response)));
                 state.largest = state.largest.max(largest(&row));
-                Arc::make_mut(&mut state.map).row_mut(state.row).copy_from_slice(&row);
-                Ok(state.next_row(Stage::Suppression))
+                Arc::make_mut(&mut state.scan.map).row_mut(state.scan.row).copy_from_slice(&row);
+                Ok(state.scan.next_row())
             }
             Stage::Suppression => {
-                let mut found = std::mem::take(&mut state.peaks);
-                self.suppress(self.peaks(state), state.row, &mut found, observer);
-                state.peaks = found;
-                Ok(state.next_row(Stage::Choice))
+                let mut found = std::mem::take(&mut state.scan.peaks);
+                self.suppress(self.peaks(state), state.scan.row, &mut found, observer);
+                state.scan.peaks = found;
+                Ok(state.scan.next_row())
             }
             Stage::Choice => {
                 self.choose(state, observer);
@@ -251,13 +198,11 @@ impl<M: Measure> Estimator for Corners<M> {
     }
 
     fn units(&self, state: &State) -> Option<usize> {
-        Some(2 * state.map.height() + 1)
+        Some(state.scan.units())
     }
 
     fn place(&self, state: &State) -> Vec<Granularity> {
-        let granularity = |index, of| Granularity { index, of: Some(of) };
-        let rows = if state.stage == Stage::Choice { 1 } else { state.map.height() };
-        vec![granularity(0, 1), granularity(state.stage as usize, 3), granularity(state.row, rows)]
+        state.scan.granularities()
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
@@ -282,7 +227,7 @@ impl<M: Measure> Estimator for Corners<M> {
     }
 
     fn output(&self, state: &State) -> Output {
-        Output::of(state.features())
+        Output::of(state.scan.features())
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
@@ -296,8 +241,7 @@ impl<M: Measure> Footprint<State> for Corners<M> {
     }
 
     fn state_bytes(&self, state: &State) -> usize {
-        let lists = size_of_val(&state.peaks[..]) + size_of_val(&state.kept[..]);
-        size_of::<State>() + size_of_val(state.map.cells()) + lists
+        size_of::<State>() + state.scan.bytes()
     }
 
     fn memory_bytes(&self, state: &State) -> usize {
@@ -307,12 +251,11 @@ impl<M: Measure> Footprint<State> for Corners<M> {
 
 impl<M: Measure> Pointed<State> for Corners<M> {
     fn unit_at(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<usize> {
-        let (_, y) = state.map.cell_at(point)?;
-        Some(if state.stage == Stage::Response { y } else { state.map.height() + y })
+        state.scan.unit_at(point)
     }
 
     fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
-        let (x, y) = state.map.cell_at(point)?;
+        let (x, y) = state.scan.map.cell_at(point)?;
         Some(Explained::From(Cursor { unit: y, event: x + 1 }))
     }
 }

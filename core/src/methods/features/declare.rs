@@ -118,7 +118,7 @@ pub(crate) struct Status {
 }
 
 impl Status {
-    /// Says what became of the pixel.
+    /// Tells the outcome for the pixel.
     pub fn say(&self, step: Step) -> Step {
         let put = |step: Step, by| step.put(value::NEIGHBOUR, by).put(value::NEAR_CORNER, by);
         self.by.into_iter().fold(step, put).say(self.case)

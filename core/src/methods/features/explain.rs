@@ -1,8 +1,9 @@
 //! The steps of corner detection in values, words and charts.
 
-use super::corners::{Corners, Event, Measure, Stage, State};
+use super::corners::{Corners, Event, Measure};
 use super::declare::{Status, be, case, line, value};
 use super::eigenvalues::{self, Pixel};
+use super::scan::Stage;
 use super::select::{Selection, Settings};
 use crate::base::words::pixel;
 use crate::geometry::Grid;
@@ -10,7 +11,7 @@ use crate::methods::differential::{Tensor, explain};
 use crate::run::Seen;
 use crate::scene::{Picture, Readout, Role, Step, Surface, Tile, Unit};
 
-pub(super) fn point((x, y): (usize, usize)) -> [f32; 2] {
+pub(crate) fn point((x, y): (usize, usize)) -> [f32; 2] {
     [x as f32, y as f32]
 }
 
@@ -37,7 +38,7 @@ pub(crate) fn unit_of_parts<const N: usize>(parts: [f32; N], result: f32, formul
     units.into_iter().find(is_true).unwrap_or(Unit::RESPONSE.finer(MOST))
 }
 
-/// Says what the eigenvalues of a pixel and its response show; with both eigenvalues below `flat` it lies in a flat area.
+/// Interprets the eigenvalues of a pixel and its response; with both eigenvalues below `flat` it lies in a flat area.
 pub(super) fn meaning<M: Measure>(of: &M, step: Step, eigenvalues: [f32; 2], (response, flat): (f32, f32)) -> Step {
     let nature = match () {
         () if eigenvalues[0] < flat => 0,
@@ -53,13 +54,13 @@ impl<M: Measure> Corners<M> {
     pub(super) fn probe(&self, seen: &Seen<Self>) -> Option<Probe> {
         let state = seen.before;
         let at_work = match seen.events.last()? {
-            Event::Response(_) => (seen.events.len() - 1, state.row),
-            Event::Row => (0, state.row),
+            Event::Response(_) => (seen.events.len() - 1, state.scan.row),
+            Event::Row => (0, state.scan.row),
             Event::Over(place, _) => *place,
-            Event::Ranked => state.strongest()?,
-            Event::Peak(peak, _) => state.place(*peak),
+            Event::Ranked => state.scan.strongest()?,
+            Event::Peak(peak, _) => state.scan.place(*peak),
         };
-        let place = seen.point().and_then(|point| state.map.cell_at(point)).unwrap_or(at_work);
+        let place = seen.point().and_then(|point| state.scan.map.cell_at(point)).unwrap_or(at_work);
         let is_pointed_at = place != at_work;
         let tensors = self.tensors(state);
         let (tensor, flat) = (tensors.at(place), tensors.flat_below());
@@ -80,14 +81,14 @@ impl<M: Measure> Corners<M> {
             Event::Peak(_, Some(_)) => line::DROP_NEAR,
             Event::Peak(_, None) => line::KEEP,
         };
-        let status = (seen.before.stage != Stage::Response).then(|| self.status(seen, probe.place));
+        let status = (seen.before.scan.stage != Stage::Response).then(|| self.status(seen, probe.place));
         // Sentence, numbers and line refer to one pixel.
         let line = match &status {
             Some(status) if probe.is_pointed_at => status.line,
             None if probe.is_pointed_at => line::RESPOND,
             _ => at_work,
         };
-        let step = self.measured(seen, Step::at(line), (&probe, status.as_ref()));
+        let step = self.put_pixel(seen, Step::at(line), (&probe, status.as_ref()));
         let step = match (last, status) {
             (_, Some(status)) if probe.is_pointed_at => status.say(self.responds(step, &probe)),
             (Event::Response(_), _) | (_, None) => self.responds(step, &probe),
@@ -98,12 +99,12 @@ impl<M: Measure> Corners<M> {
             (Event::Ranked, _) => step.say(case::RANKED),
             (Event::Peak(_, near), _) => chosen(seen, step, (probe.place, *near)),
         };
-        let step = if probe.is_pointed_at { step } else { self.concluded(seen, step) };
-        self.charted(seen, step, &probe)
+        let step = if probe.is_pointed_at { step } else { self.conclude(seen, step) };
+        self.add_charts(seen, step, &probe)
     }
 
-    /// Puts tensor and response of a pixel, the limits of the selection and what became of the pixel.
-    fn measured(&self, seen: &Seen<Self>, step: Step, (probe, status): (&Probe, Option<&Status>)) -> Step {
+    /// Puts tensor and response of a pixel, the limits of the selection and the outcome for the pixel.
+    fn put_pixel(&self, seen: &Seen<Self>, step: Step, (probe, status): (&Probe, Option<&Status>)) -> Step {
         let (state, Tensor { xx, xy, yy, .. }) = (seen.before, probe.tensor);
         let Settings { threshold, selection: Selection { max_points, min_distance }, .. } = self.0.settings();
         let [large, small] = probe.tensor.eigenvalues();
@@ -116,7 +117,7 @@ impl<M: Measure> Corners<M> {
         let Some(status) = status else { return step };
         let step = step.fact(value::THRESHOLD, self.peaks(state).limit).fact(value::STATUS, status.words);
         let step = step.put(value::QUALITY, 100.0 * threshold).put(value::LARGEST_RESPONSE, state.largest);
-        let (step, maxima) = (step.put(value::ROW, state.row), state.peaks.len());
+        let (step, maxima) = (step.put(value::ROW, state.scan.row), state.scan.peaks.len());
         let step = step.put(value::LOCAL_MAXIMA, maxima).put(value::BE, be(maxima));
         step.put(value::MAX_POINTS, max_points).put(value::MIN_DISTANCE, min_distance)
     }
@@ -129,36 +130,33 @@ impl<M: Measure> Corners<M> {
 
     /// Explains which responses of a row reach the threshold.
     fn strong(&self, seen: &Seen<Self>, step: Step) -> Step {
-        let (row, count) = (seen.before.row, self.peaks(seen.before).over(seen.before.row).count());
+        let (row, count) = (seen.before.scan.row, self.peaks(seen.before).over(seen.before.scan.row).count());
         match count {
-            0 if row == 0 || row + 1 == seen.before.map.height() => step.say(case::BORDER),
+            0 if row == 0 || row + 1 == seen.before.scan.map.height() => step.say(case::BORDER),
             0 => step.say(case::ALL_BELOW),
             _ => step.put(value::RESPONSES, count).put(value::BE, be(count)).say(case::REACHED),
         }
     }
 
-    /// Adds the conclusion at the end of a run.
-    fn concluded(&self, seen: &Seen<Self>, step: Step) -> Step {
-        let Some(after) = seen.after.filter(|_| seen.before.stage == Stage::Choice) else { return step };
-        let (Some(first), Some(last)) = (after.kept.first(), after.kept.last()) else { return step };
-        let response = |index: u32| after.map[after.place(index)];
-        let step = step.put(value::KEPT, after.kept.len()).put(value::LOCAL_MAXIMA, after.peaks.len());
+    fn conclude(&self, seen: &Seen<Self>, step: Step) -> Step {
+        let Some(after) = seen.after.filter(|_| seen.before.scan.stage == Stage::Choice) else { return step };
+        let (Some(first), Some(last)) = (after.scan.kept.first(), after.scan.kept.last()) else { return step };
+        let response = |index: u32| after.scan.map[after.scan.place(index)];
+        let step = step.put(value::KEPT, after.scan.kept.len()).put(value::LOCAL_MAXIMA, after.scan.peaks.len());
         let step = step.put(value::FIRST_RESPONSE, response(*first)).put(value::LAST_RESPONSE, response(*last));
-        let step = step.say(if after.kept.len() == 1 { case::END_WITH_ONE } else { case::END });
-        step.say(self.0.settings().selection.advice(after.kept.len(), after.peaks.len()))
+        let step = step.say(if after.scan.kept.len() == 1 { case::END_WITH_ONE } else { case::END });
+        step.say(self.0.settings().selection.advice(after.scan.kept.len(), after.scan.peaks.len()))
     }
 
     /// Adds the charts of a pixel.
-    fn charted(&self, seen: &Seen<Self>, step: Step, probe: &Probe) -> Step {
+    fn add_charts(&self, seen: &Seen<Self>, step: Step, probe: &Probe) -> Step {
         let (state, place) = (seen.before, probe.place);
-        let tile = |label, values: Grid<f32>, range| Tile { label, role: None, values, range, framed: Vec::new() };
         let radius = (self.0.settings().window / 2 + 1).min(5);
-        let mut tiles = vec![tile("Frame t", explain::around(state.picture.luma(), place, radius), [0.0, 255.0])];
-        let threshold = (state.stage != Stage::Response).then(|| self.peaks(state).limit);
+        let mut tiles = vec![Tile::gray("Frame t", explain::around(state.scan.picture.luma(), place, radius))];
+        let threshold = (state.scan.stage != Stage::Response).then(|| self.peaks(state).limit);
         if threshold.is_some() {
-            let shown = explain::around(&state.map.map(|response| M::shown(*response)), place, radius);
-            let most = shown.cells().iter().filter(|v| v.is_finite()).fold(1.0f32, |most, v| most.max(*v));
-            tiles.push(tile("Response, compressed", shown, [0.0, most]));
+            let shown = explain::around(&state.scan.map.map(|response| M::shown(*response)), place, radius);
+            tiles.push(Tile::positive("Response, compressed", shown));
         }
         let eigenvalues = probe.tensor.eigenvalues();
         let inspected = Pixel { name: pixel(place), eigenvalues, threshold, flat: probe.flat };
@@ -166,12 +164,12 @@ impl<M: Measure> Corners<M> {
         step.show_all(hills(seen, place).map(Readout::Landscape))
     }
 
-    /// Returns what became of a pixel after the response stage.
+    /// Returns the outcome for a pixel after the response stage.
     fn status(&self, seen: &Seen<Self>, place: (usize, usize)) -> Status {
         let (state, peaks) = (seen.before, self.peaks(seen.before));
         let status = |line, words, case, by| Status { line, words, case, by };
         if !peaks.is_over(place.0, place.1) {
-            let (width, height) = state.map.size();
+            let (width, height) = state.scan.map.size();
             let is_border = place.0 == 0 || place.1 == 0 || place.0 + 1 == width || place.1 + 1 == height;
             let why = if is_border { "image border, no local maximum" } else { "below the threshold" };
             return status(line::EACH_STRONG, why, case::HAS_STATUS, None);
@@ -179,7 +177,7 @@ impl<M: Measure> Corners<M> {
         if let Some(by) = peaks.suppressed_by(place) {
             return status(line::SUPPRESS, "suppressed", case::HAS_NEIGHBOUR, Some(by));
         }
-        let index = (place.1 * state.map.width() + place.0) as u32;
+        let index = (place.1 * state.scan.map.width() + place.0) as u32;
         let choice = seen.events.iter().find_map(|event| match event {
             Event::Peak(peak, near) if *peak == index => Some(*near),
             _ => None,
@@ -187,9 +185,9 @@ impl<M: Measure> Corners<M> {
         match choice {
             Some(None) => status(line::KEEP, "corner", case::HAS_STATUS, None),
             Some(Some(near)) => {
-                status(line::DROP_NEAR, "local maximum, rejected", case::HAS_NEAR, Some(state.place(near)))
+                status(line::DROP_NEAR, "local maximum, rejected", case::HAS_NEAR, Some(state.scan.place(near)))
             }
-            None if seen.after.is_some() && state.stage == Stage::Choice => {
+            None if seen.after.is_some() && state.scan.stage == Stage::Choice => {
                 status(line::KEEP, "local maximum", case::IS_BEYOND, None)
             }
             None => status(line::SUPPRESS, "local maximum", case::HAS_STATUS, None),
@@ -200,10 +198,10 @@ impl<M: Measure> Corners<M> {
 /// The response of a pixel, if it has been computed.
 pub(super) fn response<M: Measure>(seen: &Seen<Corners<M>>, (x, y): (usize, usize)) -> Option<f32> {
     let state = seen.before;
-    match (state.stage, seen.events.get(x)) {
-        (Stage::Response, Some(Event::Response(response))) if y == state.row => Some(*response),
-        (Stage::Response, _) if y >= state.row => None,
-        _ => state.map.get(x, y).copied(),
+    match (state.scan.stage, seen.events.get(x)) {
+        (Stage::Response, Some(Event::Response(response))) if y == state.scan.row => Some(*response),
+        (Stage::Response, _) if y >= state.scan.row => None,
+        _ => state.scan.map.get(x, y).copied(),
     }
 }
 
@@ -211,7 +209,7 @@ pub(super) fn response<M: Measure>(seen: &Seen<Corners<M>>, (x, y): (usize, usiz
 fn hills<M: Measure>(seen: &Seen<Corners<M>>, place: (usize, usize)) -> Option<Surface> {
     /// How far they reach to each side, in px.
     const REACH: usize = 20;
-    let (width, height) = seen.before.map.size();
+    let (width, height) = seen.before.scan.map.size();
     let at = |i: usize, from: usize| (from + i).checked_sub(REACH);
     let value = |i, j| {
         let (x, y) = (at(i, place.0)?, at(j, place.1)?);
@@ -224,14 +222,6 @@ fn hills<M: Measure>(seen: &Seen<Corners<M>>, place: (usize, usize)) -> Option<S
     Some(Surface { is_similarity: true, probe: Some([0; 2]), ..surface })
 }
 
-impl State {
-    /// Returns the position of the strongest local maximum.
-    fn strongest(&self) -> Option<(usize, usize)> {
-        let better = |a: u32, b: u32| if self.map[self.place(b)] > self.map[self.place(a)] { b } else { a };
-        self.peaks.iter().copied().reduce(better).map(|peak| self.place(peak))
-    }
-}
-
 /// The role of a pixel that reaches the threshold; `by` is the neighbour that suppresses it.
 fn role_of(by: Option<(usize, usize)>) -> Role {
     if by.is_some() { Role::Rejected } else { Role::Best }
@@ -240,7 +230,7 @@ fn role_of(by: Option<(usize, usize)>) -> Role {
 /// Explains the non-maximum suppression of a pixel; `by` is the neighbour that suppresses it.
 fn over<M: Measure>(seen: &Seen<Corners<M>>, step: Step, by: Option<(usize, usize)>) -> Step {
     let Some(by) = by else { return step.say(case::MAXIMUM) };
-    let other = seen.before.map[by];
+    let other = seen.before.scan.map[by];
     let is_larger = f64::from(other) > step.real(value::RESPONSE);
     let step = step.put(value::NEIGHBOUR, by).put(value::OTHER_RESPONSE, other).say(case::SUPPRESSED);
     step.say(if is_larger { case::BY_LARGER } else { case::BY_EQUAL })
@@ -254,8 +244,8 @@ fn chosen<M: Measure>(seen: &Seen<Corners<M>>, step: Step, (place, near): ((usiz
         let count = seen.events.iter().filter(|event| matches!(event, Event::Peak(_, None))).count();
         return step.put(value::KEPT, count).say(case::KEPT_AS);
     };
-    let near = seen.before.place(near);
-    let other = seen.before.map[near];
+    let near = seen.before.scan.place(near);
+    let other = seen.before.scan.map[near];
     let is_larger = f64::from(other) > step.real(value::RESPONSE);
     let step = step.put(value::NEAR_CORNER, near).put(value::OTHER_RESPONSE, other).say(case::IS_NEAR);
     step.say(if is_larger { case::TO_LARGER } else { case::TO_EQUAL })

@@ -10,10 +10,13 @@ pub fn draw_keypoints(field: &PointField, scene: &mut Scene) {
     for (feature, keypoint) in field.points.iter().zip(&field.keypoints) {
         let Some(scale_px) = keypoint.scale_px else { continue };
         let (center, radius) = (feature.at, SQRT_2 * scale_px);
-        scene.mark(Picture::CURRENT, Role::Result, Shape::Ellipse { center, radii: [radius; 2], angle_rad: 0.0 });
-        scene.legend(Role::Result, "keypoint, radius √2 s, with orientation");
+        scene.draw(
+            Picture::CURRENT,
+            (Role::Result, "keypoint, radius √2 s, with orientation"),
+            Shape::circle(center, radius),
+        );
         let Some((sin, cos)) = keypoint.angle_rad.map(f32::sin_cos) else { continue };
         let tip = [center[0] + radius * cos, center[1] + radius * sin];
-        scene.mark(Picture::CURRENT, Role::Result, Shape::Path { points: vec![center, tip], closed: false });
+        scene.mark(Picture::CURRENT, Role::Result, Shape::line(vec![center, tip]));
     }
 }

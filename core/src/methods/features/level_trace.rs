@@ -147,8 +147,7 @@ impl LevelTrace<'_> {
         let place = |by: [f32; 2]| [0, 1].map(|i| self.at[i] + by[i] * self.scale());
         let rect = |[x, y]: [f32; 2]| Shape::Rect { min: [x - half, y - half], max: [x + half, y + half] };
         let mut mark = |on, role, shape, meaning| {
-            scene.mark(on, role, shape);
-            scene.legend(role, meaning);
+            scene.draw(on, (role, meaning), shape);
         };
         mark(from, Role::Reference, rect(self.at), "window");
         mark(to, Role::Predicted, rect(place(self.guess)), "initial guess");
@@ -161,12 +160,7 @@ impl LevelTrace<'_> {
         let steps: Vec<_> = steps.collect();
         if let Some(first) = steps.first() {
             let trail = [first[0]].into_iter().chain(steps.iter().map(|step| step[1]));
-            mark(
-                to,
-                Role::Estimate,
-                Shape::Path { points: trail.map(place).collect(), closed: false },
-                "window centre, by iteration",
-            );
+            mark(to, Role::Estimate, Shape::line(trail.map(place).collect()), "window centre, by iteration");
         }
     }
 
@@ -199,7 +193,7 @@ impl LevelTrace<'_> {
         step.fact(value::FULL_RESOLUTION, self.on_picture()).put_value(doubled)
     }
 
-    /// Says what the last event means, once the values are put; `subject` names the point.
+    /// Explains the last event, once the values are put; `subject` names the point.
     pub fn tell(&self, step: Step, subject: &'static Case) -> Step {
         match self.events.last() {
             None => step.say(subject),
@@ -308,12 +302,10 @@ impl LevelTrace<'_> {
         };
         let (window, there) = (of(current, [0.0; 2]), of(next, self.displacement()));
         let difference = Grid::from_fn(side, side, |i, j| window[(i, j)] - there[(i, j)]);
-        let most = difference.cells().iter().filter(|v| v.is_finite()).fold(1.0f32, |most, v| most.max(v.abs()));
-        let tile = |label, role, values, range| Tile { label, role, values, range, framed: Vec::new() };
         vec![
-            tile("Window in frame t", Some(Role::Reference), window, [0.0, 255.0]),
-            tile("Window in frame t+1", Some(Role::Candidate), there, [0.0, 255.0]),
-            tile("δI", None, difference, [-most, most]),
+            Tile::gray("Window in frame t", window).with_role(Role::Reference),
+            Tile::gray("Window in frame t+1", there).with_role(Role::Candidate),
+            Tile::signed("δI", difference),
         ]
     }
 }

@@ -52,7 +52,6 @@ pub fn level_count(frame: (usize, usize), factor: f32, (least, most): (usize, us
     (1..most).take_while(fits).count() + 1
 }
 
-/// The size of a frame at a scale.
 fn size_at((width, height): (usize, usize), scale: f32) -> (usize, usize) {
     let side = |side: usize| ((side as f32 / scale).round() as usize).max(1);
     (side(width), side(height))

@@ -243,7 +243,7 @@ fn bits(lanes: &Lanes) -> u32 {
     lanes.iter().enumerate().fold(0, |bits, (i, lane)| bits | u32::from(*lane != 0) << i)
 }
 
-/// 1 where so many adjacent ones of four compass points hold.
+/// 1 where this many adjacent ones of the four compass points hold.
 #[inline(always)]
 fn is_run<const COMPASS_POINTS: usize>([a, b, c, d]: &[Lanes; 4]) -> Lanes {
     let mut is_run = [0; LANES];
@@ -344,7 +344,7 @@ pub struct Circle {
     pub level: u8,
     /// The differences I_k − I_p.
     pub differences: [i16; 16],
-    /// Those compared with the threshold.
+    /// The shades of the pixels compared with the threshold.
     pub shades: [Shade; 16],
     /// The longest run of brighter or of darker pixels, if there is any: its first index and its length.
     pub run: Option<(usize, usize)>,

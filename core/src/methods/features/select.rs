@@ -19,7 +19,7 @@ params! {
 }
 
 impl Selection {
-    /// What keeps more points at the end of a run that kept `kept` of `candidates`.
+    /// Advice on keeping more points, at the end of a run that kept `kept` of `candidates`.
     pub fn advice(&self, kept: usize, candidates: usize) -> &'static Case {
         match kept < candidates {
             false => case::ALL_KEPT,

@@ -12,16 +12,14 @@ const TRAIL_FRAMES: usize = 20;
 /// Marks positions in frame t, if there are any.
 pub(crate) fn points(scene: &mut Scene, role: Role, meaning: &'static str, places: Vec<[f32; 2]>) {
     if !places.is_empty() {
-        scene.mark(Picture::CURRENT, role, Shape::Points(places));
-        scene.legend(role, meaning);
+        scene.draw(Picture::CURRENT, (role, meaning), Shape::Points(places));
     }
 }
 
 /// Draws displacements, if there are any.
 pub(crate) fn displacements(scene: &mut Scene, arrows: Vec<Arrow>) {
     if !arrows.is_empty() {
-        scene.mark(Picture::CURRENT, Role::Result, Shape::Arrows(arrows));
-        scene.legend(Role::Result, "displacement to frame t+1");
+        scene.draw(Picture::CURRENT, (Role::Result, "displacement to frame t+1"), Shape::Arrows(arrows));
     }
 }
 
@@ -30,8 +28,7 @@ pub(crate) fn trail(scene: &mut Scene, (role, meaning): (Role, &'static str), tr
     let first = frame.saturating_sub(TRAIL_FRAMES);
     let points: Vec<_> = (first..=frame).filter_map(|t| track.at(t)).map(|feature| feature.at).collect();
     if points.len() > 1 {
-        scene.mark(Picture::CURRENT, role, Shape::Path { points, closed: false });
-        scene.legend(role, meaning);
+        scene.draw(Picture::CURRENT, (role, meaning), Shape::line(points));
     }
 }
 
@@ -50,13 +47,11 @@ pub(crate) fn turnover(title: &'static str, counts: &[u32], tracks: &[Arc<Track>
     let new = tally(&|track| track.first);
     // A track that is not lost ends in a frame with which no earlier pair begins.
     let lost = tally(&|track| track.first + track.points.len() - 1);
-    let series = Series {
+    let series = Series::new(
         title,
-        x_label: "pair",
-        y_label: "number of points",
-        x_max: span.frames().map_or(line.len(), |frames| frames - 1),
-        lines: vec![("tracked", Role::Result, line), ("new", Role::Measured, new), ("lost", Role::Rejected, lost)],
-        ..Series::default()
-    };
+        ["pair", "number of points"],
+        span.frames().map_or(line.len(), |frames| frames - 1),
+        vec![("tracked", Role::Result, line), ("new", Role::Measured, new), ("lost", Role::Rejected, lost)],
+    );
     (series.lines[0].2.len() > 1).then_some(Readout::Series(series))
 }

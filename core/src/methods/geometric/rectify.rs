@@ -157,8 +157,8 @@ impl Rectification {
         Some(Correspondence { from: mapped(first, matched.from)?, to: mapped(second, matched.to)? })
     }
 
-    /// How many times larger an area becomes at one corner of a frame than at another one, the larger of frames t and t + 1 of this size; and
-    /// which of them it is. The map of a pixel at depth w of its horizon magnifies areas by det H / w³.
+    /// The ratio of the magnifications of an area at two corners of a frame, the larger of frames t and t + 1 of this
+    /// size; and which of them it is. The map of a pixel at depth w of its horizon magnifies areas by det H / w³.
     pub fn stretch(&self, size: (usize, usize)) -> (usize, f64) {
         let ratio = |map: &Matrix3| {
             let depths = corners(size).map(|[x, y]| (map[2][0] * x + map[2][1] * y + map[2][2]).abs());

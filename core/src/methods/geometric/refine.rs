@@ -51,7 +51,7 @@ fn step(matrix: &Matrix3, Equations { moments, right, .. }: &Equations, size: f6
 /// The normal equations of a Gauss–Newton step.
 #[derive(Default)]
 struct Equations {
-    /// Those of the entries of the matrix; the last one is kept.
+    /// The moments of the entries of the matrix; the last one is kept.
     moments: Moments,
     right: [f64; 9],
     /// The sum of the squared distances in px².

@@ -27,7 +27,7 @@ struct Factors {
 }
 
 impl Factors {
-    /// Those of the nearest matrix of rank two.
+    /// The factors of the nearest matrix of rank two.
     fn of(matrix: &Square<f64>) -> Option<Self> {
         let svd = matrix.svd(true, true);
         let (u, v_t) = (svd.u?, svd.v_t?);

@@ -32,7 +32,7 @@ impl System {
         let Some((by, moments)) = normalised(matches) else { return Self::default() };
         let solved = Solved::of(moments.transfer());
         let mut system = Self::solved_by(matches.len(), 2 * matches.len(), by, &solved);
-        system.matrices.push(matrix(("H", SOLUTION), &solved.vectors[0]));
+        system.matrices.push(matrix("H", SOLUTION, &solved.vectors[0]));
         system
     }
 
@@ -44,39 +44,30 @@ impl System {
         let mut system = Self::solved_by(matches.len(), matches.len(), by, &solved);
         let [least, next] = &solved.vectors;
         if matches.len() < 8 {
-            system.matrices.push(matrix(("F₁", "solution, to be mixed"), least));
-            system.matrices.push(matrix(("F₂", "solution, to be mixed"), next));
+            system.matrices.push(matrix("F₁", "solution, to be mixed", least));
+            system.matrices.push(matrix("F₂", "solution, to be mixed", next));
             return system;
         }
         let values = Square::from_fn(|i, j| least[i][j]).singular_values();
-        system.matrices.push(matrix(("F", SOLUTION), least));
+        system.matrices.push(matrix("F", SOLUTION, least));
         let mut values = [values[0], values[1], values[2]];
         values.sort_by(|a, b| b.total_cmp(a));
-        system.matrices.push(shown(
-            ("s", "singular values; the last becomes 0"),
-            Grid::from_fn(1, 3, |_, y| values[y]),
-            4,
-        ));
+        system.matrices.push(Matrix::column("s", "singular values; the last becomes 0", &values).with_decimals(4));
         system
     }
 
     /// The normal equations N X = R of an affine map, with the points of frame t relative to their mean.
     pub fn of_affine(matches: &[Correspondence]) -> Self {
         let (_, normal, right) = normal_equations(matches);
-        let columns =
-            |count: usize, labels: [&str; 3]| labels.iter().take(count).map(|label| (*label).to_owned()).collect();
-        let rows: Vec<String> = columns(3, ["x", "y", "1"]);
-        let normal = Matrix {
-            columns: rows.clone(),
-            rows: rows.clone(),
-            ..shown(("N", "sums of products of x, y and 1"), Grid::from_fn(3, 3, |x, y| normal[(y, x)]), 1)
-        };
-        let right = Matrix {
-            columns: columns(2, ["x′", "y′", ""]),
-            rows,
-            ..shown(("R", "sums of products with x′ and y′"), Grid::from_fn(2, 3, |x, y| right[(y, x)]), 1)
-        };
-        Self { equations: None, matrices: vec![normal, right] }
+        const ROWS: [&str; 3] = ["x", "y", "1"];
+        let normal = Grid::from_fn(3, 3, |x, y| normal[(y, x)]);
+        let right = Grid::from_fn(2, 3, |x, y| right[(y, x)]);
+        let matrices = vec![
+            Matrix::new("N", "sums of products of x, y and 1", normal).with_columns(ROWS),
+            Matrix::new("R", "sums of products with x′ and y′", right).with_columns(["x′", "y′"]),
+        ];
+        let matrices = matrices.into_iter().map(|matrix| matrix.with_rows(ROWS).with_decimals(1)).collect();
+        Self { equations: None, matrices }
     }
 
     /// The same with its solution named as what a refinement begins with.
@@ -90,14 +81,13 @@ impl System {
 
     /// The normalisations and the eigenvalues.
     fn solved_by(count: usize, equations: usize, by: [Normalisation; 2], solved: &Solved) -> Self {
-        let per_match = |i: usize| solved.eigenvalues[i] / count as f64;
-        let values = Grid::from_fn(1, SHOWN.len(), |_, y| per_match(SHOWN[y].0));
-        let rows = SHOWN.map(|(_, name)| name.to_owned()).to_vec();
+        let values = SHOWN.map(|(i, _)| solved.eigenvalues[i] / count as f64);
+        let eigenvalues = Matrix::column("λ", "eigenvalues of A^T A per match", &values);
         let [from, to] = by;
         let matrices = vec![
-            matrix(("T", "normalisation of frame t"), &from.matrix()),
-            matrix(("T′", "normalisation of frame t+1"), &to.matrix()),
-            Matrix { rows, ..shown(("λ", "eigenvalues of A^T A per match"), values, 6) },
+            matrix("T", "normalisation of frame t", &from.matrix()),
+            matrix("T′", "normalisation of frame t+1", &to.matrix()),
+            eigenvalues.with_rows(SHOWN.map(|(_, name)| name)).with_decimals(6),
         ];
         Self { equations: Some(equations), matrices }
     }
@@ -130,11 +120,6 @@ fn normalised(matches: &[Correspondence]) -> Option<([Normalisation; 2], Moments
     Some(([from, to], moments))
 }
 
-fn matrix(names: (&'static str, &'static str), entries: &Matrix3) -> Matrix {
-    shown(names, Grid::from_fn(3, 3, |x, y| entries[y][x]), 4)
-}
-
-fn shown((symbol, name): (&'static str, &'static str), entries: Grid<f64>, decimals: usize) -> Matrix {
-    let (rows, columns) = (Vec::new(), Vec::new());
-    Matrix { symbol, name, role: None, entries, rows, columns, changed: None, decimals: Some(decimals) }
+fn matrix(symbol: &'static str, name: &'static str, entries: &Matrix3) -> Matrix {
+    Matrix::of_rows(symbol, name, entries).with_decimals(4)
 }

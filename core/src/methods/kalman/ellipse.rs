@@ -21,8 +21,11 @@ pub fn ellipse(center: [f64; 2], covariance: [[f64; 2]; 2], p: f64) -> Option<Sh
 /// The density of a normal distribution over the part of a picture up to `reach` px from `middle`, blurred by half a cell so that no peak
 /// falls between cells; `None` if the covariance is singular.
 pub fn density(
-    (center, covariance): ([f64; 2], [[f64; 2]; 2]),
-    (on, middle, reach): (Picture, [f64; 2], f64),
+    center: [f64; 2],
+    covariance: [[f64; 2]; 2],
+    on: Picture,
+    middle: [f64; 2],
+    reach: f64,
 ) -> Option<Surface> {
     if !(reach > 0.0 && reach.is_finite()) {
         return None;
@@ -52,23 +55,23 @@ mod tests {
 
     #[test]
     fn a_density_has_its_peak_in_the_middle_and_sums_to_one() {
-        let normal = ([40.0, 30.0], [[9.0, 2.0], [2.0, 4.0]]);
-        let surface = density(normal, (Picture::CURRENT, [40.0, 30.0], 15.0)).expect("it is one of the plane");
+        let around = |center, covariance, reach| density(center, covariance, Picture::CURRENT, [40.0, 30.0], reach);
+        let surface = around([40.0, 30.0], [[9.0, 2.0], [2.0, 4.0]], 15.0).expect("it is one of the plane");
         let (most, at) = surface.optimum().expect("it is known");
         assert_eq!(at, [[0, 0]]);
         let exact = 1.0 / (std::f32::consts::TAU * 32.0_f32.sqrt());
         assert!((0.98 * exact..exact).contains(&most), "{most}: hardly lower for the blur");
         // Much narrower than a cell, wherever in it.
         for off in [0.0, 1.3, 2.5] {
-            let spike = ([40.0 + off, 30.0], [[0.5, 0.0], [0.0, 0.5]]);
-            let surface = density(spike, (Picture::CURRENT, [40.0, 30.0], 150.0)).expect("it is one of the plane");
+            let spike = [[0.5, 0.0], [0.0, 0.5]];
+            let surface = around([40.0 + off, 30.0], spike, 150.0).expect("it is one of the plane");
             let sum: f32 = surface.values.cells().iter().map(|value| value * surface.axes.step.powi(2)).sum();
             assert!((0.95..1.05).contains(&sum), "{off} px: {sum}");
         }
         let cell = surface.axes.step * surface.axes.step;
         let sum: f32 = surface.values.cells().iter().map(|value| value * cell).sum();
         assert!((sum - 1.0).abs() < 2e-3, "{sum}");
-        assert_eq!(density(([0.0; 2], [[1.0, 1.0], [1.0, 1.0]]), (Picture::CURRENT, [0.0; 2], 5.0)), None);
+        assert_eq!(around([40.0, 30.0], [[1.0, 1.0], [1.0, 1.0]], 5.0), None);
     }
 
     #[test]

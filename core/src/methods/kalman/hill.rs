@@ -34,7 +34,7 @@ impl Surroundings {
     /// The density of a position, with pins at its mean, which has this name, and at measurements.
     pub fn position(&self, named: (&'static str, Role), filter: &Filter, all: &[Measurement]) -> Option<Surface> {
         let Self { middle, reach } = *self;
-        let surface = density((filter.place(), filter.place_covariance()), (Picture::CURRENT, middle, reach))?;
+        let surface = density(filter.place(), filter.place_covariance(), Picture::CURRENT, middle, reach)?;
         Some(pinned(surface, named, filter, all))
     }
 

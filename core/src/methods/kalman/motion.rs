@@ -110,7 +110,7 @@ impl Motion<6> for Acceleration {
     }
 
     fn initial_deviations(&self, speed: f64) -> [f64; 6] {
-        // What comes and goes within some frames.
+        // The change decays within a few frames.
         let change = speed / 5.0;
         [0.0, 0.0, speed, speed, change, change]
     }

@@ -66,7 +66,7 @@ impl Described {
     }
 }
 
-/// How keypoints are described.
+/// The descriptor that describes keypoints.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Describe {
     /// The descriptor.
@@ -80,7 +80,7 @@ pub struct Describe {
 pub struct Patches {
     /// Half the side without the middle, in px.
     pub reach: usize,
-    /// How two patches are compared.
+    /// The distance of two patches.
     pub cost: PatchCost,
 }
 

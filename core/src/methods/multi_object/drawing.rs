@@ -70,15 +70,14 @@ pub(crate) fn rect(scene: &mut Scene, role: Role, Bounds { min, max }: Bounds) {
 /// Draws the arrows from tracks to detections of several roles.
 pub(crate) fn draw_arrows<const N: usize>(scene: &mut Scene, all: [(Role, &'static str, Vec<Arrow>); N]) {
     for (role, meaning, arrows) in all.into_iter().filter(|(.., arrows)| !arrows.is_empty()) {
-        scene.mark(Picture::CURRENT, role, Shape::Arrows(arrows));
-        scene.legend(role, meaning);
+        scene.draw(Picture::CURRENT, (role, meaning), Shape::Arrows(arrows));
     }
 }
 
 /// Room around the objects of a step, in sizes of the largest box: their surroundings are seen too.
 const AROUND: f32 = 2.5;
 
-/// Makes the surroundings of an object the place where the step works: what the sentence is about is what the stage shows.
+/// Makes the surroundings of an object the work area of the step, so that the stage shows the subject of the sentence.
 pub(crate) fn work_at(scene: &mut Scene, bounds: Bounds) {
     work_on(scene, [bounds]);
 }
@@ -99,7 +98,6 @@ pub(crate) fn work_on(scene: &mut Scene, all: impl IntoIterator<Item = Bounds>) 
     scene.work = hull.map(room);
 }
 
-/// Draws the boxes of detections.
 pub(crate) fn draw_detections<'a>(scene: &mut Scene, all: impl IntoIterator<Item = &'a Detection>) {
     all.into_iter().for_each(|found| rect(scene, Role::Measured, found.bounds));
     scene.legend(Role::Measured, "detection");
@@ -137,7 +135,7 @@ pub(crate) fn trail(scene: &mut Scene, run: &TrackerRun, role: Role, (id, now): 
         .filter_map(|frame| frame.object(id).map(|object| object.position.map(|c| c as f32)));
     let points: Vec<[f32; 2]> = places.chain([now.map(|c| c as f32)]).collect();
     if points.len() > 1 {
-        scene.mark_of(id, Picture::CURRENT, role, Shape::Path { points, closed: false });
+        scene.mark_of(id, Picture::CURRENT, role, Shape::line(points));
     }
 }
 
@@ -155,13 +153,8 @@ pub(crate) fn series(run: &TrackerRun) -> Option<Readout> {
     ];
     let x_max = run.span.first + run.span.frames().map_or(frames.len(), |frames| frames - 1);
     let series = Series {
-        title: "Detections and tracks of finished frames",
-        x_label: "frame",
-        y_label: "number per frame",
-        x_max,
-        lines,
         decimals: Some(0),
-        ..Series::default()
+        ..Series::new("Detections and tracks of finished frames", ["frame", "number per frame"], x_max, lines)
     };
     (frames.len() > 1).then_some(Readout::Series(series))
 }

@@ -50,7 +50,6 @@ pub(crate) fn tell_crowding(step: Step, tracks: usize) -> Step {
     step.put(value::CROWDED, tracks).put(value::MOST_NEAR, MOST_NEAR).say_if(tracks > 0, case::CROWDED)
 }
 
-/// Adds the velocity among the facts.
 pub(crate) fn add_velocity(step: Step, velocity: [f64; 2]) -> Step {
     let step = step.put(value::HEADING, whole_heading_deg(velocity));
     step.fact_as(value::SPEED.is(velocity[0].hypot(velocity[1])), case::VELOCITY)
@@ -63,7 +62,6 @@ pub(crate) fn deviation(filter: &Filter) -> Number {
     if rounded(x, 2) == rounded(y, 2) { x.into() } else { [x, y].into() }
 }
 
-/// Adds a track among the facts.
 pub(crate) fn add_track(step: Step, track: &ShownTrack, rules: Rules) -> Step {
     let ShownTrack { id, filter, age, .. } = track;
     let step = step.fact(value::TRACK, *id).fact(value::STATUS, age.status.name()).fact(value::HITS, age.hits);

@@ -45,7 +45,7 @@ pub(crate) struct Movement {
     /// Its first and its last box in px, in coordinates of the background.
     first: Bounds,
     last: Bounds,
-    /// The length of its path in px, without what it grows and shrinks.
+    /// The length of its path in px, without growth and shrinkage.
     path_px: f64,
 }
 
@@ -62,8 +62,8 @@ fn side_px(bounds: &Bounds) -> f64 {
     f64::from(width.max(height))
 }
 
-/// Returns the distance in px that the whole box has moved: along each axis what both of its edges have moved in the same direction.
-/// A blob that only grows or shrinks, as noise makes them do, moves one of them.
+/// Returns the distance in px that the whole box has moved: along each axis the distance that both edges have moved in
+/// the same direction. A blob that only grows or shrinks, as noise makes them do, moves one of them.
 fn moved_px([from, to]: [&Bounds; 2]) -> f64 {
     let along = [0, 1].map(|axis| {
         let [low, high] = [to.min[axis] - from.min[axis], to.max[axis] - from.max[axis]];

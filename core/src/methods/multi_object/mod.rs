@@ -1,4 +1,4 @@
-//! Multi-object tracking: sources of detections, track management, and what steps say of them.
+//! Multi-object tracking: sources of detections, track management, and the explanation of both.
 //!
 //! [`MultiTracking`] turns any `MultiTracker` into an estimator; the state that all of them share is a `TrackerRun`. A
 //! `Detector` supplies detections: rows of a file, ground truth with noise, or a stage. `Dynamics` are the noise parameters of

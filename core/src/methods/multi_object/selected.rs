@@ -7,12 +7,12 @@ use crate::geometry::Bounds;
 use crate::products::{Object, ObjectFrame, TrackStatus};
 use crate::scene::{Picture, Role, Scene, Shape, Step};
 
-/// A track that ended is found at its places of so many frames.
+/// A track that ended is found at its places of this many last frames.
 const RECENT_FRAMES: usize = 40;
 /// Between the box of a track and the frame that marks it as selected, in px.
 const AROUND_PX: f32 = 3.0;
 
-/// A track, and what is known of it so far.
+/// A track with its values so far.
 pub(crate) struct Selected {
     /// Its identity.
     pub id: u32,
@@ -75,8 +75,7 @@ impl Selected {
         if self.is_live {
             let Bounds { min, max } = self.last.bounds;
             let shape = Shape::Rect { min: min.map(|c| c - AROUND_PX), max: max.map(|c| c + AROUND_PX) };
-            scene.mark(Picture::CURRENT, Role::Reference, shape);
-            scene.legend(Role::Reference, "selected track");
+            scene.draw(Picture::CURRENT, (Role::Reference, "selected track"), shape);
         }
     }
 
@@ -95,7 +94,7 @@ impl Selected {
         step.put(value::TRUE_OVERLAP, iou).fact_as(value::TRUE_OBJECT.is(object), case::OBJECT_OVERLAP)
     }
 
-    /// Says what is known of the track, with the values among the facts.
+    /// Describes the track, with its values among the facts.
     pub fn tell(&self, step: Step) -> Step {
         let step = step.say(case::SELECTED).say(match (self.is_live, self.last.status) {
             (false, _) => case::ENDED,

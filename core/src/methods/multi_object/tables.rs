@@ -49,15 +49,13 @@ impl Names {
         for (row, column) in lit.iter().filter(|(row, column)| rows.contains(row) && columns.contains(column)) {
             changed[(column - columns.start, row - rows.start)] = true;
         }
+        let entries = Grid::from_fn(columns.len(), rows.len(), |x, y| entry(rows.start + y, columns.start + x));
+        let table = Matrix::new(symbol, name, entries);
         Some(Matrix {
-            symbol,
-            name,
-            role: None,
-            entries: Grid::from_fn(columns.len(), rows.len(), |x, y| entry(rows.start + y, columns.start + x)),
             rows: self.rows[rows].to_vec(),
             columns: self.columns[columns].to_vec(),
             changed: Some(changed),
-            decimals: None,
+            ..table
         })
     }
 }

@@ -187,6 +187,20 @@ pub(crate) fn errors<T: MultiTracker>(seen: &Seen<MultiTracking<T>>) -> Option<F
     truth::errors_of_last(seen.clip, &seen.after?.run)
 }
 
+/// Draws the detections of a frame: within it with their numbers, at its end with the errors beside the truth.
+pub(crate) fn draw_detections<T: MultiTracker>(
+    scene: &mut Scene,
+    seen: &Seen<MultiTracking<T>>,
+    detected: &[Detection],
+) {
+    explain::draw_detections(scene, detected);
+    scene.is_overview = seen.after.is_some() && seen.point().is_none();
+    match seen.after {
+        Some(_) => errors(seen).iter().for_each(|errors| truth::draw(scene, errors)),
+        None => explain::number_detections(scene, detected),
+    }
+}
+
 /// Adds the errors of a finished frame and the track that is pointed at among the facts.
 pub(crate) fn add_errors_and_selected<T: MultiTracker>(step: Step, seen: &Seen<MultiTracking<T>>) -> Step {
     let step = errors(seen).iter().fold(step, truth::add_errors);

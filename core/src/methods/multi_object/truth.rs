@@ -44,7 +44,6 @@ pub(crate) fn draw(scene: &mut Scene, errors: &FrameErrors) {
     }
 }
 
-/// Adds the errors among the facts.
 pub(crate) fn add_errors(step: Step, errors: &FrameErrors) -> Step {
     let FrameErrors { matches, misses, false_alarms, switches, .. } = errors;
     let step = step.put(value::TRUTHS, matches.len() + misses.len());
@@ -55,7 +54,6 @@ pub(crate) fn add_errors(step: Step, errors: &FrameErrors) -> Step {
     })
 }
 
-/// Says the identity switches of a frame.
 pub(crate) fn tell_switches(step: Step, errors: &FrameErrors) -> Step {
     errors.switches.iter().fold(step, |step, switch| {
         let step = step.put(value::TRUE_OBJECT, switch.object).put(value::TRACK_BEFORE, switch.before);

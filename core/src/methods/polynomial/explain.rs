@@ -52,7 +52,7 @@ pub struct Probe<'a> {
     tensor: Tensor,
 }
 
-/// What is inspected of an iteration.
+/// The inspected part of an iteration.
 pub struct Inspected<'a> {
     /// The polynomial expansions and the prior displacements.
     pub expansions: ExpansionPair<'a>,
@@ -103,8 +103,7 @@ impl Probe<'_> {
             let reach = reach as f32;
             let [min, max] = [[x as f32 - reach, y as f32 - reach], [x as f32 + reach + 1.0, y as f32 + reach + 1.0]];
             let [min, max] = self.frames.on_picture(self.level, min, max);
-            scene.mark(on, role, Shape::Rect { min, max });
-            scene.legend(role, meaning);
+            scene.draw(on, (role, meaning), Shape::Rect { min, max });
         };
         if self.part >= Part::Averaged {
             square(Picture::CURRENT, Role::Window, self.place, self.solver.window.reach(), "window");
@@ -132,7 +131,7 @@ impl Probe<'_> {
                 let step = step.say(case::PRIOR).say(if self.shift.is_some() { case::PAIRED } else { case::OUTSIDE });
                 self.fits(step)
             }
-            Part::Compared => self.compared(step),
+            Part::Compared => self.tell_equations(step),
             Part::Averaged => {
                 let [large, small] = self.tensor.eigenvalues();
                 let step = step.put(value::LAMBDA_1, large).put(value::LAMBDA_2, small);
@@ -170,7 +169,7 @@ impl Probe<'_> {
     }
 
     /// Explains the displacement equations of the pixel.
-    fn compared(&self, step: Step) -> Step {
+    fn tell_equations(&self, step: Step) -> Step {
         let step = step.formula(
             r"\mathbf{A} \mathbf{d} = \Delta \mathbf{b} = \mathbf{A} (m, n) - \text{½ }(\mathbf{b}_2 - \mathbf{b}_1)",
         );
@@ -205,18 +204,10 @@ impl Probe<'_> {
             let left = Grid::from_fn(pixels.width(), pixels.height(), |i, j| pixels[(i, j)] - fitted[(i, j)]);
             [pixels, fitted, left]
         };
-        let tile = |label, role, values: Grid<f32>| {
-            let most = values.cells().iter().filter(|v| v.is_finite()).fold(1.0f32, |most, v| most.max(v.abs()));
-            Tile {
-                label,
-                role,
-                values,
-                range: if label == "Residual" { [-most, most] } else { [0.0, 255.0] },
-                framed: Vec::new(),
-            }
-        };
         let row = |role, [pixels, fitted, left]: [Grid<f32>; 3], name| {
-            [tile(name, Some(role), pixels), tile("Polynomial", Some(role), fitted), tile("Residual", None, left)]
+            let pictures = [(name, pixels), ("Polynomial", fitted)];
+            let [picture, polynomial] = pictures.map(|(label, values)| Tile::gray(label, values).with_role(role));
+            [picture, polynomial, Tile::signed("Residual", left)]
         };
         let [current, next] = self.frames.pair(self.level);
         let mut tiles = row(Role::Reference, of(current, self.place, self.first()), "Frame t").to_vec();

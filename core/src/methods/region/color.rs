@@ -128,7 +128,7 @@ impl Area {
     }
 }
 
-/// The bins of the pixels of a part of a frame, which grows with what is asked for.
+/// The bins of the pixels of a part of a frame, which grows as needed.
 pub(crate) struct Bins<'a> {
     frame: &'a Frame,
     binning: Binning,
@@ -136,11 +136,11 @@ pub(crate) struct Bins<'a> {
     bins: Grid<u16>,
 }
 
-/// More pixels on each side than are asked for, so that few steps ask for more.
+/// Extra pixels on each side, so that few steps need more.
 const MARGIN_PX: f32 = 12.0;
 
 impl<'a> Bins<'a> {
-    /// Those of a frame, none of them known yet.
+    /// The bins of a frame, none of them known yet.
     pub(crate) fn new(frame: &'a Frame, binning: Binning) -> Self {
         Self { frame, binning, area: Area::default(), bins: Grid::new(0, 0, 0) }
     }

@@ -12,8 +12,8 @@ use crate::run::Seen;
 use crate::scene::Step;
 
 impl<T: Explained> RegionTracking<T> {
-    /// Tells the scores, what became of the region, and why.
-    pub(super) fn concluded(
+    /// Tells the scores, the outcome of the region, and its cause.
+    pub(super) fn conclude(
         &self,
         (seen, after): (&Seen<Self>, &State<T::Model>),
         result: &RegionFrame,
@@ -23,7 +23,7 @@ impl<T: Explained> RegionTracking<T> {
         let ending = Ending::in_clip(&after.field(), seen.clip, &errors);
         let step = step.put(value::REPORTED, ending.reported).put(value::HIDDEN, ending.hidden);
         let step = match RegionScores::of(&errors) {
-            Some(of) => scored(step, &of, ending),
+            Some(of) => put_scores(step, &of, ending),
             None => step.put(value::FRAMES, after.past.len()).say(case::UNSCORED),
         };
         let last = errors.last().filter(|error| error.frame + 1 == after.frame);
@@ -35,8 +35,8 @@ impl<T: Explained> RegionTracking<T> {
             None => Self::with_last(seen, step, |at, step| self.0.tell_caveat(at, step)),
         };
         let step = match self.0.settings().restart {
-            true => restarted(after, step),
-            false => Self::regained((after, &errors), step),
+            true => tell_restarts(after, step),
+            false => Self::tell_regained((after, &errors), step),
         };
         let step = content::tell(step, seen.clip, &after.mask_field(), &errors);
         let vanished = Vanished::of(&after.field(), seen.clip);
@@ -57,7 +57,7 @@ impl<T: Explained> RegionTracking<T> {
     }
 
     /// Tells at the end of a run of the region that was found again after its longest loss.
-    fn regained((after, errors): (&State<T::Model>, &[RegionError]), step: Step) -> Step {
+    fn tell_regained((after, errors): (&State<T::Model>, &[RegionError]), step: Step) -> Step {
         let Some(regained) = Regained::longest(&after.past) else { return step };
         let frame = after.span.first + regained.index;
         // An object without a true box in the frame is hidden there.
@@ -97,8 +97,7 @@ impl Vanished {
     }
 }
 
-/// The scores of a run.
-fn scored(step: Step, of: &RegionScores, ending: Ending) -> Step {
+fn put_scores(step: Step, of: &RegionScores, ending: Ending) -> Step {
     let step = step.put(value::FRAMES, of.frames).put(value::MEAN_OVERLAP, of.overlap).put(value::SUCCESS, of.success);
     let step = step.put(value::NEAR, NEAR_PX).put(value::PRECISION, of.precision).put(value::FAILURES, of.failures);
     step.say(case::SCORED).say(match (of.failures, ending.reported) {
@@ -108,8 +107,7 @@ fn scored(step: Step, of: &RegionScores, ending: Ending) -> Step {
     })
 }
 
-/// The number of restarts at the end of a run.
-fn restarted<M>(state: &State<M>, step: Step) -> Step {
+fn tell_restarts<M>(state: &State<M>, step: Step) -> Step {
     match state.restarts.count {
         0 => step,
         1 => step.say(case::RESTARTED_ONCE),

@@ -1,4 +1,4 @@
-//! The end of a run in words: what became of the region, by its lost frames and, where it is known, the true box.
+//! The end of a run in words: the outcome of the region, from its lost frames and the true box, where it is known.
 
 use crate::data::{Clip, ObjectBox};
 use crate::geometry::Bounds;
@@ -7,12 +7,12 @@ use crate::products::{RegionField, RegionFrame};
 
 /// A region with less of an overlap does not follow the object.
 pub(crate) const FAIR: f64 = 0.5;
-/// A region so many times as large as the true box has grown, one with the inverse has shrunk.
+/// A region has grown if it is at least this many times as large as the true box, and shrunk at the inverse.
 pub(super) const GROWN: f64 = 2.0;
 /// A region that still covered the object this many frames before an occlusion was lost because of it.
 const SHORTLY: usize = 5;
 
-/// What became of the region.
+/// The outcome for the region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// It followed the object.
@@ -34,7 +34,7 @@ pub enum Outcome {
 /// The end of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Ending {
-    /// What became of the region.
+    /// The outcome for the region.
     pub outcome: Outcome,
     /// Frames in which the tracker reports the object as lost.
     pub reported: usize,
@@ -51,7 +51,7 @@ pub struct Loss {
     pub frame: usize,
     /// The share of the object that can be seen, 0 to 1.
     pub visibility: f64,
-    /// Whether most of what cannot be seen of it lies outside the picture.
+    /// Whether most of its hidden part lies outside the picture.
     pub is_leaving: bool,
     /// Its motion from the frame before in px.
     pub moved_px: f64,
@@ -85,7 +85,7 @@ impl Loss {
 }
 
 impl Ending {
-    /// That of a run through a clip, with the comparisons of its frames.
+    /// The same of a run through a clip, with the comparisons of its frames.
     pub(super) fn in_clip(field: &RegionField, clip: &Clip, errors: &[RegionError]) -> Self {
         Self { loss: Loss::longest(field, clip), ..Self::of(&field.frames, errors) }
     }

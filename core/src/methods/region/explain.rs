@@ -44,7 +44,7 @@ impl<T: Explained> RegionTracking<T> {
         Some(At { model: state.model.as_deref(), region: state.region, events, event, pose, poses })
     }
 
-    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explain_step(&self, seen: &Seen<Self>) -> Step {
         let state = seen.before;
         let Some(event) = seen.events.last() else {
             let step = Step::at(line::EACH_FRAME).put(value::ESTIMATOR, T::INFO.name);
@@ -52,8 +52,8 @@ impl<T: Explained> RegionTracking<T> {
         };
         let step = Step::at(self.line_of(event)).fact(value::FRAME, state.frame);
         let step = match event {
-            Event::Moved(result) => placed(step, &result.region, Role::Estimate),
-            _ => placed(step, &state.region, Role::Reference),
+            Event::Moved(result) => put_region(step, &result.region, Role::Estimate),
+            _ => put_region(step, &state.region, Role::Reference),
         };
         let step = match event {
             Event::Chosen => chosen(state, step),
@@ -66,13 +66,13 @@ impl<T: Explained> RegionTracking<T> {
             },
             Event::Waiting => step.say(case::WAITING),
             Event::Own(_) => Self::with_last(seen, step, |at, step| self.0.step(at, step)),
-            Event::Moved(result) => self.resulted(seen, result, step),
+            Event::Moved(result) => self.tell_result(seen, result, step),
         };
         step.show_all(self.histories(seen, matches!(event, Event::Moved(_))).into_iter().map(Readout::Series))
     }
 
     /// The result of a frame, after the last one with the conclusion of the run.
-    fn resulted(&self, seen: &Seen<Self>, result: &RegionFrame, step: Step) -> Step {
+    fn tell_result(&self, seen: &Seen<Self>, result: &RegionFrame, step: Step) -> Step {
         let step = step.put(value::MEASURE, T::SIMILARITY.name).put(value::MEASURE_LABEL, T::SIMILARITY.label);
         let step = step.put(value::LOOKALIKE, T::SIMILARITY.shared_by).fact(Self::SIMILARITY, result.similarity);
         let step = match error_of_last(seen) {
@@ -80,13 +80,13 @@ impl<T: Explained> RegionTracking<T> {
             None => step,
         };
         match seen.after.filter(|after| is_over(seen.clip, after)) {
-            Some(after) => self.concluded((seen, after), result, step),
-            None => self.moved(seen, result, step),
+            Some(after) => self.conclude((seen, after), result, step),
+            None => self.tell_motion(seen, result, step),
         }
     }
 
     /// The result of a frame, beside the truth where that is known.
-    fn moved(&self, seen: &Seen<Self>, result: &RegionFrame, step: Step) -> Step {
+    fn tell_motion(&self, seen: &Seen<Self>, result: &RegionFrame, step: Step) -> Step {
         let (state, error) = (seen.before, error_of_last(seen));
         let step = if result.is_lost {
             Self::with_last(seen, step.say(case::LOST), |at, step| self.0.tell_loss(at, step)).say(case::STAYS)
@@ -115,7 +115,7 @@ impl<T: Explained> RegionTracking<T> {
         }
     }
 
-    /// Adds what the tracker tells at its last event of the frame, if it has one.
+    /// Adds the tracker's explanation of its last event of the frame, if it has one.
     pub(super) fn with_last(seen: &Seen<Self>, step: Step, tell: impl FnOnce(&At<'_, T>, Step) -> Step) -> Step {
         match Self::at_last(seen) {
             Some(at) => tell(&at, step),
@@ -131,8 +131,7 @@ impl<T: Explained> RegionTracking<T> {
         }
         let first = state.span.first;
         let x_max = first + state.span.frames().map_or(state.past.len(), |frames| frames - 1);
-        let over =
-            |title, y_label, lines| Series { title, x_label: "frame", y_label, x_max, lines, ..Series::default() };
+        let over = |title, y_label, lines| Series::new(title, ["frame", y_label], x_max, lines);
         let line = state.past.iter().enumerate().map(|(i, frame)| [(first + i) as f32, frame.similarity]);
         let mut all = vec![over(
             T::SIMILARITY.label,
@@ -151,14 +150,13 @@ impl<T: Explained> RegionTracking<T> {
         all
     }
 
-    pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(super) fn draw_marks(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let state = seen.before;
         let path: Vec<_> = state.past.iter().map(|frame| frame.region.center).collect();
         let path = &path[path.len().saturating_sub(TRAIL_FRAMES)..];
         if path.len() > 1 {
-            let shape = Shape::Path { points: path.to_vec(), closed: false };
-            scene.mark(Picture::CURRENT, Role::Result, shape);
-            scene.legend(Role::Result, "path of the region");
+            let shape = Shape::line(path.to_vec());
+            scene.draw(Picture::CURRENT, (Role::Result, "path of the region"), shape);
         }
         let is_first = state.model.is_none();
         let model = state.model.as_deref().or(seen.after.and_then(|after| after.model.as_deref()));
@@ -177,8 +175,7 @@ impl<T: Explained> RegionTracking<T> {
             self.0.draw_result(model, scene);
         }
         if let Some(RegionError { truth, .. }) = error_of_last(seen) {
-            scene.mark(Picture::CURRENT, Role::Truth, Shape::Rect { min: truth.min, max: truth.max });
-            scene.legend(Role::Truth, "true box");
+            scene.draw(Picture::CURRENT, (Role::Truth, "true box"), Shape::Rect { min: truth.min, max: truth.max });
         }
     }
 }
@@ -205,7 +202,7 @@ fn sight<T: Explained>(seen: &Seen<RegionTracking<T>>) -> Option<Sight> {
     after.field().sight(seen.clip, after.past.len().checked_sub(1)?).ok().flatten()
 }
 
-/// What is wrong with a region that has an overlap below 0.5.
+/// The kind of error of a region with an overlap below 0.5.
 pub(super) fn verdict(error: &RegionError) -> Option<&'static Case> {
     match error.overlap {
         0.0 => Some(case::NOT_ON),
@@ -215,7 +212,6 @@ pub(super) fn verdict(error: &RegionError) -> Option<&'static Case> {
     }
 }
 
-/// Puts the numbers of a verdict.
 pub(super) fn put_verdict(step: Step, error: &RegionError) -> Step {
     let step = step.put(value::FAIR, FAIR).put(value::TIMES_AS_LARGE, area_ratio(error));
     step.put(value::COVERED, 100.0 * covered(error))
@@ -227,7 +223,7 @@ fn is_turned(region: &Region) -> bool {
 }
 
 /// Adds the place, the size and the angle of a region, in the colour of `role`.
-fn placed(step: Step, region: &Region, role: Role) -> Step {
+fn put_region(step: Step, region: &Region, role: Role) -> Step {
     let [width, height] = region.size;
     let step = step.put(value::WIDTH, width).put(value::HEIGHT, height);
     let step = step.put(value::ANGLE, region.angle_rad.to_degrees());

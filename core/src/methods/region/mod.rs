@@ -111,7 +111,6 @@ impl<T: RegionModel> RegionTracking<T> {
         fitted.unwrap_or(RegionFrame { region: state.region, similarity, is_lost: false })
     }
 
-    /// Keeps the mask of the frame that gave a result.
     fn keep_mask(&self, state: &mut State<T::Model>, result: &RegionFrame) {
         if T::PRODUCES.contains(&MaskField::KIND) {
             let model = state.model.as_deref().filter(|_| !result.is_lost);
@@ -223,11 +222,11 @@ impl<T: Explained> Estimator for RegionTracking<T> {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        self.told(seen)
+        self.explain_step(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.drawn(seen, scene);
+        self.draw_marks(seen, scene);
     }
 
     fn output(&self, state: &Self::State) -> Output {

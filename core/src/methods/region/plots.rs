@@ -21,7 +21,7 @@ pub(crate) fn histograms(
     lines: Vec<(&'static str, Role, Vec<[f32; 2]>)>,
 ) -> Series {
     let x_max = lines.iter().map(|(.., points)| points.len() / 2).max().unwrap_or(0);
-    Series { title, x_label, y_label, x_max, lines, is_sweep: true, ..Series::default() }
+    Series { is_sweep: true, ..Series::new(title, [x_label, y_label], x_max, lines) }
 }
 
 /// A curve over values that are no steps.
@@ -32,15 +32,14 @@ pub(crate) fn curve(
 ) -> Series {
     let x_max = points.iter().map(|point| point[0].ceil() as usize).max().unwrap_or(0);
     let lines = vec![(name, Role::Estimate, points)];
-    Series { title, x_label, y_label, x_max, lines, is_sweep: true, ..Series::default() }
+    Series { is_sweep: true, ..Series::new(title, [x_label, y_label], x_max, lines) }
 }
 
 /// Marks an upright ellipse.
 pub(crate) fn ellipse(scene: &mut Scene, (role, meaning): (Role, &'static str), region: Region) {
     let radii = region.size.map(|side| side / 2.0);
     let shape = Shape::Ellipse { center: region.center, radii, angle_rad: region.angle_rad };
-    scene.mark(Picture::CURRENT, role, shape);
-    scene.legend(role, meaning);
+    scene.draw(Picture::CURRENT, (role, meaning), shape);
 }
 
 /// Puts the colour space and the number of bins of a histogram.

@@ -131,7 +131,8 @@ pub trait Explained: RegionModel {
         step
     }
 
-    /// Tells what all frames of a run show beyond their regions, at the tracker's last event, as a further sentence of its end.
+    /// Summarises all frames of a run beyond their regions, at the tracker's last event, as a further sentence of its
+    /// end.
     fn tell_summary(&self, _at: &At<'_, Self>, step: Step) -> Step {
         step
     }
@@ -152,9 +153,9 @@ pub struct At<'a, T: RegionModel> {
     pub model: Option<&'a T::Model>,
     /// The region before the frame; in the first one that of the start.
     pub region: Region,
-    /// The tracker's events of the frame up to the one at hand.
+    /// The tracker's events of the frame up to the current one.
     pub events: Vec<&'a T::Event>,
-    /// The event at hand.
+    /// The current event.
     pub event: &'a T::Event,
     /// The true pose of the object in the frame, where it is known.
     pub pose: Option<Pose>,

@@ -36,7 +36,7 @@ pub struct Octave {
     pub differences: Vec<Arc<Grid<f32>>>,
 }
 
-/// Octaves of a picture, as far as they are computed.
+/// Octaves of a picture, computed so far.
 #[derive(Clone, Debug, Default)]
 pub struct ScaleSpace {
     /// The octaves, finest first.

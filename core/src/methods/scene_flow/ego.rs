@@ -103,7 +103,7 @@ impl<'a> Ego<'a> {
     /// Estimates the motion, and reports each sample and each round of the final fit to `tell`.
     ///
     /// # Errors
-    /// That of `wanted`, which is asked before each of them.
+    /// The error of `wanted`, which is called before each of them.
     pub fn estimate(
         &self,
         wanted: impl Fn() -> Result<(), Error>,

@@ -20,7 +20,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Those of a picture of this size.
+    /// Returns the coordinates of a picture of this size.
     pub fn of((width, height): (usize, usize)) -> Self {
         let extents = [width, height].map(|extent| extent as f64);
         Self {
@@ -137,7 +137,7 @@ impl Moments {
         ((part(0) + part(1)).max(0.0) / self.count.max(1) as f64).sqrt()
     }
 
-    /// Those of the known flow in a rectangle.
+    /// Returns the sums of the known flow in a rectangle.
     pub fn of_block(flow: &Flow, frame: &Frame, [columns, rows]: [std::ops::Range<usize>; 2]) -> Self {
         let mut moments = Self::default();
         for (x, y) in rows.flat_map(|y| columns.clone().map(move |x| (x, y))) {

@@ -1,4 +1,5 @@
-//! What all motion segmentations tell and draw: labels, segments, the plane of displacements, conclusions.
+//! Explanations and drawings shared by all motion segmentations: labels, segments, the plane of displacements,
+//! conclusions.
 
 use std::sync::Arc;
 
@@ -53,14 +54,16 @@ const LISTED: usize = 8;
 
 /// Draws the flow that is segmented.
 pub fn draw_flow(scene: &mut Scene, flow: &Flow) {
-    scene.mark(Picture::CURRENT, Role::Result, Shape::Flow { origin: [0.0; 2], values: flow.0.clone() });
-    scene.legend(Role::Result, "flow to frame t+1");
+    scene.draw(
+        Picture::CURRENT,
+        (Role::Result, "flow to frame t+1"),
+        Shape::Flow { origin: [0.0; 2], values: flow.0.clone() },
+    );
 }
 
 /// Draws labels, each in its colour.
 pub fn draw_labels(scene: &mut Scene, labels: Arc<Grid<u32>>, meaning: &'static str) {
-    scene.mark(Picture::CURRENT, Role::Best, Shape::Labels(labels));
-    scene.legend(Role::Best, meaning);
+    scene.draw(Picture::CURRENT, (Role::Best, meaning), Shape::Labels(labels));
 }
 
 /// Draws segments with their numbers and the arrows of their mean displacements, which the facts give in numbers.
@@ -107,8 +110,9 @@ fn innermost(labels: &Grid<u32>) -> Vec<[f32; 2]> {
     best.into_iter().map(|(_, place)| place).collect()
 }
 
-/// Adds what frame `t` comes to: its segments, the largest first, the dominant motion, and the agreement with the true labels.
-pub fn concluded(step: Step, clip: &Clip, t: usize, frame: &SegmentFrame) -> Step {
+/// Adds the result of frame `t`: its segments, the largest first, the dominant motion, and the agreement with the true
+/// labels.
+pub fn conclude(step: Step, clip: &Clip, t: usize, frame: &SegmentFrame) -> Step {
     let mut step = step.fact(value::SEGMENTS, frame.segments.len());
     let mut all: Vec<&Segment> = frame.segments.iter().collect();
     all.sort_by_key(|segment| std::cmp::Reverse(segment.area));

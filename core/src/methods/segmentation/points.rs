@@ -17,7 +17,7 @@ pub struct Points {
     coordinates: Vec<Vec<f32>>,
 }
 
-/// What an assignment of points to their nearest means comes to.
+/// The result of assigning points to their nearest means.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tally {
     /// Number of points whose mean has changed.
@@ -123,7 +123,6 @@ impl Points {
 }
 
 wide! {
-    /// Assigns the points of a chunk.
     fn assign_chunk(points: &Points, chunk: usize, means: &[Place], nearest: &mut [u8]) -> Tally = assign_chunk_by
 }
 

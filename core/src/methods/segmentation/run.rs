@@ -13,7 +13,7 @@ use crate::scene::{Chart, Focus, Question, Role, Scene, Step};
 
 /// The state of a [`Segmenter`] between two rounds.
 pub trait SegmenterState: Clone + Send + Sync + 'static {
-    /// The state before the frame that a record comes to.
+    /// The state before the last recorded frame.
     fn before(record: Record) -> Self;
 
     /// The segments of the frames so far.
@@ -22,10 +22,10 @@ pub trait SegmenterState: Clone + Send + Sync + 'static {
     /// The rounds of this frame so far.
     fn round(&self) -> usize;
 
-    /// Memory of what each checkpoint has for itself in bytes, without the record.
+    /// Memory of each checkpoint's own data in bytes, without the record.
     fn own_bytes(&self) -> usize;
 
-    /// Memory of what checkpoints share in bytes, without the record.
+    /// Memory shared by checkpoints in bytes, without the record.
     fn shared_bytes(&self) -> usize;
 }
 
@@ -37,7 +37,7 @@ pub trait Segmenter: Params + Default + Clone + Send + Sync + 'static {
     const QUESTIONS: &'static [Question];
     /// Memory of a run and of a walk, in bytes per pixel.
     const BYTES_PER_PIXEL: [f64; 2];
-    /// What is carried from round to round.
+    /// The state carried from round to round.
     type State: SegmenterState;
     /// An event inside a round.
     type Event: Clone + Send + Sync + 'static;

@@ -7,7 +7,7 @@ use crate::base::effort;
 const SAMPLES: usize = 2000;
 /// Starts of the ascent at most.
 const STARTS: usize = 64;
-/// Share of the sample that a mode needs within its bandwidth; what has fewer lies between motions.
+/// Share of the sample that a mode needs within its bandwidth; a mode with fewer lies between motions.
 pub const LEAST_SHARE: f64 = 0.02;
 /// Squared length of a shift, in squared units of the points, below which it has converged.
 const CONVERGED: f32 = 1e-8;

@@ -1,4 +1,4 @@
-//! What all estimators of disparity tell and draw.
+//! Explanations and drawings shared by all disparity estimators.
 
 use super::{Kept, Settings, Verdict, Views};
 use crate::data::{Calibration, Disparity};
@@ -87,7 +87,7 @@ pub(crate) fn true_at(views: &Views, (x, y): (usize, usize)) -> Option<f32> {
 }
 
 /// Adds a disparity to the facts, and its depth if the cameras are calibrated.
-pub(crate) fn measured(step: Step, calibration: Option<&Calibration>, disparity: f32) -> Step {
+pub(crate) fn put_depth(step: Step, calibration: Option<&Calibration>, disparity: f32) -> Step {
     let step = step.fact(value::DISPARITY, disparity);
     match calibration.and_then(|rig| rig.depth_m(f64::from(disparity))) {
         Some(depth) => step.fact(value::DEPTH, depth),
@@ -95,14 +95,14 @@ pub(crate) fn measured(step: Step, calibration: Option<&Calibration>, disparity:
     }
 }
 
-/// Tells what stereo assumes, before the first step.
+/// Tells the assumptions of stereo, before the first step.
 pub(crate) fn starting(step: Step, views: &Views, settings: &Settings) -> Step {
     let said = if views.is_stereo { case::STEREO } else { case::ONE_VIEW };
-    warned(step.say(said), views.warning(settings.disparities))
+    add_warning(step.say(said), views.warning(settings.disparities))
 }
 
 /// Adds the warning about the views, if there is one.
-pub(crate) fn warned(step: Step, warning: Option<String>) -> Step {
+pub(crate) fn add_warning(step: Step, warning: Option<String>) -> Step {
     match warning {
         Some(warning) => step.put(value::WARNING, warning).say(case::SWAPPED),
         None => step,
@@ -110,7 +110,7 @@ pub(crate) fn warned(step: Step, warning: Option<String>) -> Step {
 }
 
 /// Adds the conclusion of a run whose final disparities and outcomes are `kept`.
-pub(crate) fn concluded(step: Step, views: &Views, settings: &Settings, kept: &[Kept]) -> Step {
+pub(crate) fn conclude(step: Step, views: &Views, settings: &Settings, kept: &[Kept]) -> Step {
     let all = kept.len().max(1) as f64;
     let share = |verdict| 100.0 * kept.iter().filter(|kept| kept.verdict == verdict).count() as f64 / all;
     let mut step = step.put(value::PIXELS, kept.len()).put(value::ACCEPTED, share(Verdict::Accepted));
@@ -134,13 +134,12 @@ pub(crate) fn concluded(step: Step, views: &Views, settings: &Settings, kept: &[
             step = step.say(case::MEASURED);
         }
     }
-    warned(step, views.warning(settings.disparities))
+    add_warning(step, views.warning(settings.disparities))
 }
 
 /// Draws disparities in the colours of one scale over frame t.
 pub(crate) fn draw_map(scene: &mut Scene, values: Grid<f32>, disparities: usize, meaning: &'static str) {
-    scene.mark(Picture::CURRENT, Role::Result, Shape::Heat { origin: [0.0; 2], values });
-    scene.legend(Role::Result, meaning);
+    scene.draw(Picture::CURRENT, (Role::Result, meaning), Shape::heat(values));
     scene.heat = Some("disparity (px)");
     scene.heat_scale = Some([0.0, (disparities - 1) as f32]);
 }
@@ -190,18 +189,14 @@ pub(crate) fn draw_match(scene: &mut Scene, pair: &Pair<'_>, best: f32, is_kept:
         Shape::Rect { min: [x - half, y - half], max: [x + half, y + half] }
     };
     let second = pair.views.second();
-    scene.mark(Picture::CURRENT, Role::Reference, around(x));
-    scene.legend(Role::Reference, "pixel and its window");
-    let line = Shape::Path { points: vec![[x - pair.last() as f32 - 0.5, y], [x + 0.5, y]], closed: false };
-    scene.mark(second, Role::Window, line);
-    scene.legend(Role::Window, "epipolar line, as far as searched");
+    scene.draw(Picture::CURRENT, (Role::Reference, "pixel and its window"), around(x));
+    let line = Shape::line(vec![[x - pair.last() as f32 - 0.5, y], [x + 0.5, y]]);
+    scene.draw(second, (Role::Window, "epipolar line, as far as searched"), line);
     let (role, meaning) = if is_kept { (Role::Best, "match") } else { (Role::Rejected, "rejected match") };
-    scene.mark(second, role, around(x - best));
-    scene.legend(role, meaning);
+    scene.draw(second, (role, meaning), around(x - best));
     scene.links.push(Link { role, ends: [(Picture::CURRENT, [x, y]), (second, [x - best, y])] });
     if let Some(truth) = true_at(pair.views, pair.pixel) {
-        scene.mark(second, Role::Truth, Shape::Points(vec![[x - truth, y]]));
-        scene.legend(Role::Truth, "true match");
+        scene.draw(second, (Role::Truth, "true match"), Shape::Points(vec![[x - truth, y]]));
     }
 }
 
@@ -229,16 +224,11 @@ impl Curve<'_> {
         let on_curve = truth.and_then(|truth| at(truth.round() as usize).map(|[_, cost]| [truth, cost]));
         lines.extend(on_curve.map(|truth| ("cost at the true disparity", Role::Truth, vec![truth])));
         Readout::Series(Series {
-            title: self.title,
-            x_label: "disparity d (px)",
-            y_label: self.y_label,
-            x_max: self.pair.disparities - 1,
-            lines,
             thresholds: self.thresholds,
             is_sweep: true,
             chosen: Some(self.best as f32),
             decimals: Some(0),
-            ..Series::default()
+            ..Series::new(self.title, ["disparity d (px)", self.y_label], self.pair.disparities - 1, lines)
         })
     }
 }

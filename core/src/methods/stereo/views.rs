@@ -45,7 +45,7 @@ impl Views {
         if self.is_stereo { Picture::RIGHT } else { Picture::NEXT }
     }
 
-    /// What the picture is called.
+    /// Name of the picture.
     pub fn second_name(&self) -> &'static str {
         if self.is_stereo { "right view" } else { "frame t + 1" }
     }

@@ -1,7 +1,7 @@
 //! The displacement of the camera, so that a background model can follow it.
 //!
 //! The displacement is the median over textured blocks of the picture (block matching on a pyramid): an object that covers less
-//! than half of them does not change it. Whole pixels of it shift the model. What is left, a fraction of a pixel, is suppressed
+//! than half of them does not change it. Whole pixels of it shift the model. The remaining fraction of a pixel is suppressed
 //! as in A. Elgammal, D. Harwood and L. Davis, Non-parametric model for background subtraction, ECCV 2000: a foreground pixel that
 //! the background of a neighbor explains is background that the camera has displaced.
 
@@ -219,7 +219,7 @@ fn median_displacement([from, to]: [&Gray; 2], guess: [f32; 2], (block, range): 
     }
     for y in starts(height, reach[1]) {
         for x in starts(width, reach[0]) {
-            let found = match_block([from, to], ([x, y], side), near, range);
+            let found = match_block([from, to], Block { first: [x, y], side }, near, range);
             for (values, value) in along.iter_mut().zip(found) {
                 values.extend(value);
             }
@@ -237,8 +237,15 @@ fn median_displacement([from, to]: [&Gray; 2], guess: [f32; 2], (block, range): 
     Some([x?, y?])
 }
 
+/// A square block by its first pixel and its side in px.
+#[derive(Clone, Copy)]
+struct Block {
+    first: [usize; 2],
+    side: usize,
+}
+
 /// Returns the displacement of a block along each axis on which it has enough texture.
-fn match_block(pictures: [&Gray; 2], block: ([usize; 2], usize), near: [i32; 2], range: i32) -> [Option<f32>; 2] {
+fn match_block(pictures: [&Gray; 2], block: Block, near: [i32; 2], range: i32) -> [Option<f32>; 2] {
     let cost = |by: [i32; 2]| sad(pictures, block, by);
     let (mut best, mut least) = (near, cost(near));
     for v in -range..=range {
@@ -250,7 +257,7 @@ fn match_block(pictures: [&Gray; 2], block: ([usize; 2], usize), near: [i32; 2],
         }
     }
     // The minimum must stand out of its neighbors by more than noise: two gray levels on average.
-    let textured = least + least / 4 + 2 * (block.1 * block.1) as u32;
+    let textured = least + least / 4 + 2 * (block.side * block.side) as u32;
     [0, 1].map(|axis| {
         let is_inside = (best[axis] - near[axis]).abs() < range;
         let beside = [-1, 1].map(|step| {
@@ -271,11 +278,11 @@ fn match_block(pictures: [&Gray; 2], block: ([usize; 2], usize), near: [i32; 2],
     })
 }
 
-/// Sums up what `difference` makes of the pixels of each row of a block and of the displaced one.
+/// Sums `difference` over the pixels of each row of a block and of the displaced one.
 #[inline(always)]
 fn summed(
     [from, to]: [&Gray; 2],
-    ([x, y], side): ([usize; 2], usize),
+    Block { first: [x, y], side }: Block,
     [u, v]: [i32; 2],
     difference: impl Fn(u8, u8) -> u32,
 ) -> impl Iterator<Item = u32> {
@@ -286,12 +293,12 @@ fn summed(
 }
 
 /// The sum of absolute differences of a block and the displaced one.
-fn sad(pictures: [&Gray; 2], block: ([usize; 2], usize), by: [i32; 2]) -> u32 {
+fn sad(pictures: [&Gray; 2], block: Block, by: [i32; 2]) -> u32 {
     summed(pictures, block, by, |a, b| u32::from(a.abs_diff(b))).sum()
 }
 
 /// The sum of absolute differences if it is below `limit`; the rows that are left once it is not are not read.
-fn sad_below(pictures: [&Gray; 2], block: ([usize; 2], usize), by: [i32; 2], limit: u32) -> Option<u32> {
+fn sad_below(pictures: [&Gray; 2], block: Block, by: [i32; 2], limit: u32) -> Option<u32> {
     let mut sum = 0;
     let mut rows = summed(pictures, block, by, |a, b| u32::from(a.abs_diff(b)));
     let is_below = rows.all(|row| {
@@ -302,11 +309,11 @@ fn sad_below(pictures: [&Gray; 2], block: ([usize; 2], usize), by: [i32; 2], lim
 }
 
 /// The sum of squared differences of a block and the displaced one.
-fn ssd(pictures: [&Gray; 2], block: ([usize; 2], usize), by: [i32; 2]) -> u32 {
+fn ssd(pictures: [&Gray; 2], block: Block, by: [i32; 2]) -> u32 {
     summed(pictures, block, by, |a, b| u32::from(a.abs_diff(b)).pow(2)).sum()
 }
 
-/// Returns a grid displaced by `by` px; `beyond` fills what comes into the picture.
+/// Returns a grid displaced by `by` px; `beyond` fills the uncovered pixels.
 pub(crate) fn shifted<T: Copy>(grid: &Grid<T>, by: [f32; 2], beyond: impl Fn(usize, usize) -> T) -> Grid<T> {
     let ((width, height), by) = (grid.size(), by.map(|c| c.round() as i32));
     Grid::from_fn(width, height, |x, y| {

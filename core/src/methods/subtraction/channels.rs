@@ -89,7 +89,7 @@ pub enum Row<'a> {
 }
 
 impl<'a> Row<'a> {
-    /// Row `y` of a frame for a model with so many channels.
+    /// Row `y` of a frame for a model with this many channels.
     pub fn of(frame: &'a Frame, y: usize, channels: usize) -> Self {
         frame
             .color()

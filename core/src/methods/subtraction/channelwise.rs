@@ -63,7 +63,7 @@ pub trait ChannelModel: Channelwise<Cell: Into<f32>> + Params + Default + Clone 
         Accepted::around(cell.into(), self.threshold())
     }
 
-    /// [`classify`] for the processor at hand.
+    /// [`classify`] with the widest registers available.
     fn decide(&self, row: Row<'_>, cells: &mut [Self::Cell], words: &mut [u64]);
 
     /// As [`Background::layers`].
@@ -216,7 +216,7 @@ impl<T: Copy + Send + Sync> Planes<T> {
         [0, 1, 2].map(|c| self.cells[(c.min(self.channels - 1) * width + x, y)])
     }
 
-    /// Returns the model displaced by `by` px; what comes into the picture is that of `begun`.
+    /// Returns the model displaced by `by` px; uncovered pixels are those of `begun`.
     pub fn shifted(&self, by: [f32; 2], begun: &Self) -> Self {
         let ((width, height), by) = (self.size(), by.map(|c| c.round() as isize));
         let cells = Grid::from_fn(width * self.channels, height, |x, y| {

@@ -14,13 +14,13 @@ const TILE_REACH_PX: usize = 4;
 pub(crate) fn plots(record: &Record, span: &Span) -> Vec<Readout> {
     let (frames, pixels) = (record.frames(), record.pixels());
     let line = |of: &dyn Fn(usize) -> f32| (0..frames.len()).map(|i| [(span.first + i) as f32, of(i)]).collect();
-    let series = |title, y_label, name, line| Series {
-        title,
-        x_label: "frame",
-        y_label,
-        x_max: span.first + span.frames().unwrap_or(frames.len()) - 1,
-        lines: vec![(name, Role::Result, line)],
-        ..Series::default()
+    let series = |title, y_label, name, line| {
+        Series::new(
+            title,
+            ["frame", y_label],
+            span.first + span.frames().unwrap_or(frames.len()) - 1,
+            vec![(name, Role::Result, line)],
+        )
     };
     if frames.len() < 2 {
         return Vec::new();
@@ -36,18 +36,16 @@ impl<M: Background> Subtraction<M> {
     pub(super) fn tiles(&self, model: &M::Model, frame: &Frame, place: (usize, usize)) -> Vec<Tile> {
         let around = |of: &dyn Fn((usize, usize)) -> f32| explain::around_with(frame.size(), place, TILE_REACH_PX, of);
         let difference = around(&|place| self.0.difference(model, frame, place));
-        let most = difference.cells().iter().filter(|v| v.is_finite()).fold(1.0f32, |most, v| most.max(*v));
         let channel = self.0.channel(model, frame, place);
         let [shown, background] = tile_labels(channel);
-        let tile = |label, role, values, range| Tile { label, role, values, range, framed: Vec::new() };
         let (level, expected) = (
             around(&|place| f32::from(channel.level(frame, place))),
             around(&|place| self.0.compared_in(model, frame, place, channel)),
         );
         vec![
-            tile(shown, Some(Role::Measured), level, [0.0, 255.0]),
-            tile(background, Some(Role::Predicted), expected, [0.0, 255.0]),
-            tile("Difference", None, difference, [0.0, most]),
+            Tile::gray(shown, level).with_role(Role::Measured),
+            Tile::gray(background, expected).with_role(Role::Predicted),
+            Tile::positive("Difference", difference),
         ]
     }
 }

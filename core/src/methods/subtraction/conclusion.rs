@@ -101,13 +101,11 @@ impl Conclusion {
     }
 }
 
-/// Puts precision, recall and F₁ score.
 fn put_scores(step: Step, all: Matches, of: [&'static Variable; 3]) -> Step {
     let scores = of.into_iter().zip([all.precision(), all.recall(), all.f1()]);
     scores.fold(step, |step, (of, score)| step.fact(of, score.unwrap_or(f64::NAN)))
 }
 
-/// Puts the errors of pixels or of boxes.
 fn put_errors(step: Step, all: Matches, unit: Unit) -> Step {
     let step = step.put_value(value::MISSES.is(all.misses()).in_unit(unit));
     step.put_value(value::FALSE_ALARMS.is(all.false_positives()).in_unit(unit))

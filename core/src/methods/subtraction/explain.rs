@@ -34,7 +34,7 @@ pub(super) fn stage(event: &Event) -> Name {
 }
 
 impl<M: Background> Subtraction<M> {
-    pub(super) fn explained_step(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explain_step(&self, seen: &Seen<Self>) -> Step {
         let (state, history) = (seen.before, MaskHistory::new(seen.events));
         let Some(event) = seen.events.last() else {
             let against = if self.0.setup().initial.is_some() { case::AGAINST_MODEL } else { case::AGAINST_FRAME };
@@ -50,7 +50,7 @@ impl<M: Background> Subtraction<M> {
             None => Explanation::of(step),
         };
         let step = match (event, place) {
-            (Event::Updated(conclusion), _) => self.updated(step, seen, (conclusion, place.map(|_| update))),
+            (Event::Updated(conclusion), _) => self.tell_update(step, seen, (conclusion, place.map(|_| update))),
             (Event::Begun(_) | Event::Exposed(..) | Event::Registered(_) | Event::Compared(..), _) | (_, None) => {
                 say(step, &cases)
             }
@@ -83,7 +83,6 @@ impl<M: Background> Subtraction<M> {
         self.0.explain(step, &Probe { before: &before, after, frame, place })
     }
 
-    /// The explanation of the pixel that is pointed at.
     fn explain_pointed(&self, step: Step, seen: &Seen<Self>, place: (usize, usize)) -> Explanation {
         let (step, history) = (step.fact(value::PIXEL, place), MaskHistory::new(seen.events));
         let step = step.fact_if(value::UNCORRECTED_LEVEL, history.exposed().map(|(frame, _)| frame.luma()[place]));
@@ -160,7 +159,7 @@ impl<M: Background> Subtraction<M> {
 
     /// Tells the update of the model at the pixel that is pointed at, else at that of the largest difference, and the conclusion. The end of
     /// a run with ground truth is about its result alone, unless a pixel is pointed at.
-    fn updated(&self, step: Step, seen: &Seen<Self>, (conclusion, pointed): (&Conclusion, Option<Cases>)) -> Step {
+    fn tell_update(&self, step: Step, seen: &Seen<Self>, (conclusion, pointed): (&Conclusion, Option<Cases>)) -> Step {
         let compared = seen.events.iter().find_map(|event| match event {
             Event::Compared(frame, difference) => Some((frame, difference)),
             _ => None,

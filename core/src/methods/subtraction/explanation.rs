@@ -1,4 +1,5 @@
-//! The classification of a single pixel and the update of its model, and what the background models say of it alike.
+//! The classification of a single pixel and the update of its model, and the explanation shared by the background
+//! models.
 
 use super::channels::{Channel, largest};
 use super::noise::NOISE_SIGMAS;

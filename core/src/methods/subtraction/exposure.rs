@@ -28,7 +28,7 @@ const BIN_LEVELS: usize = 16;
 const BINS: usize = 256 / BIN_LEVELS;
 /// The number of sampled pixels, at most.
 const SAMPLES: usize = 20_000;
-/// A bin counts from this share of the samples on: one of so many.
+/// A bin counts if it has at least one of this many samples.
 const LEAST_SHARE: u32 = 200;
 /// A smaller median change is left as it is, in gray levels.
 const LEAST_CHANGE: f32 = 1.0;

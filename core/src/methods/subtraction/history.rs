@@ -33,7 +33,6 @@ impl Accepted {
         Band { name, values: [self.mean - self.reach, self.mean + self.reach], at: Some(t) }
     }
 
-    /// The density at a gray level.
     fn density(&self, level: f32) -> Option<f32> {
         let sigma = self.sigma?;
         let off = (level - self.mean) / sigma;
@@ -89,14 +88,9 @@ pub(super) fn plots<M: Background>(
         lines.push(("corrected for the exposure", Role::Result, vec![[last[0], compared]]));
     }
     let over_time = Series {
-        title: title(channel),
-        x_label: "frame",
-        y_label: "level",
-        x_max: last[0] as usize,
-        lines,
         fits_values: true,
         bands: accepted.iter().enumerate().map(|(i, accepted)| accepted.band(i + 1, last[0])).collect(),
-        ..Series::default()
+        ..Series::new(title(channel), ["frame", "level"], last[0] as usize, lines)
     };
     let distribution =
         accepted.iter().any(|accepted| accepted.sigma.is_some()).then(|| distribution(&levels, &accepted));
@@ -121,12 +115,12 @@ fn distribution(levels: &[[f32; 2]], accepted: &[Accepted]) -> Series {
     let predicted =
         (low * CELL..(high + 1) * CELL).map(|level| [level as f32, CELL as f32 * predicted(level as f32)]).collect();
     Series {
-        title: "Distribution of its levels",
-        x_label: "level",
-        y_label: "share of the frames",
-        x_max: (high + 1) * CELL - 1,
-        lines: vec![("frames", Role::Measured, found), ("model", Role::Predicted, predicted)],
         is_sweep: true,
-        ..Series::default()
+        ..Series::new(
+            "Distribution of its levels",
+            ["level", "share of the frames"],
+            (high + 1) * CELL - 1,
+            vec![("frames", Role::Measured, found), ("model", Role::Predicted, predicted)],
+        )
     }
 }

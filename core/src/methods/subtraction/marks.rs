@@ -28,8 +28,11 @@ impl MaskHistory<'_> {
                 new.into_iter().for_each(|new| layer(scene, Role::Estimate, "filled by closing", Arc::new(new)));
             }
             Some(Event::Labelled(labels, _)) => {
-                scene.mark(Picture::CURRENT, Role::Candidate, Shape::Labels(Arc::clone(labels)));
-                scene.legend(Role::Candidate, "connected components, one colour each");
+                scene.draw(
+                    Picture::CURRENT,
+                    (Role::Candidate, "connected components, one colour each"),
+                    Shape::Labels(Arc::clone(labels)),
+                );
             }
             Some(Event::Kept(blobs)) => {
                 draw_blobs(scene, &blobs[1], (Role::Rejected, "below the minimum area"));
@@ -42,7 +45,7 @@ impl MaskHistory<'_> {
 }
 
 impl<M: Background> Subtraction<M> {
-    pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(super) fn draw_marks(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let history = MaskHistory::new(seen.events);
         if let (Some(model), Some(frame)) = (self.compared_model(seen), history.frame()) {
             scene.pictures = self.0.pictures(&model, frame.size());
@@ -57,7 +60,7 @@ impl<M: Background> Subtraction<M> {
             Some(Event::Registered(_)) => scene.legend(Role::Predicted, "previous frame, warped by the motion"),
             Some(Event::Compared(_, difference)) => {
                 let values = difference.as_ref().clone();
-                scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin: [0.0; 2], values });
+                scene.mark(Picture::CURRENT, Role::Candidate, Shape::heat(values));
                 scene.heat = Some(M::SHOWN);
                 scene.legend(Role::Candidate, M::COMPARED);
             }
@@ -95,8 +98,7 @@ impl<M: Background> Subtraction<M> {
 }
 
 fn layer(scene: &mut Scene, role: Role, meaning: &'static str, mask: Arc<Mask>) {
-    scene.mark(Picture::CURRENT, role, Shape::Mask(mask));
-    scene.legend(role, meaning);
+    scene.draw(Picture::CURRENT, (role, meaning), Shape::Mask(mask));
 }
 
 /// Draws a mask compared with the true foreground.
@@ -106,7 +108,6 @@ fn draw_errors(scene: &mut Scene, errors: &MaskErrors) {
     layer(scene, Role::Truth, "missed", Arc::new(errors.misses.clone()));
 }
 
-/// Draws bounding boxes.
 fn draw_blobs(scene: &mut Scene, blobs: &[Detection], (role, meaning): (Role, &'static str)) {
     for blob in blobs {
         scene.mark(Picture::CURRENT, role, Shape::Rect { min: blob.bounds.min, max: blob.bounds.max });
@@ -119,10 +120,8 @@ fn draw_shapes(scene: &mut Scene, blobs: &[Detection]) {
     for Detection { bounds, center, blob, .. } in blobs {
         let Some(blob) = blob else { continue };
         let ellipse = Shape::Ellipse { center: *center, radii: blob.radii, angle_rad: blob.angle_rad };
-        scene.mark(Picture::CURRENT, Role::Estimate, ellipse);
-        scene.legend(Role::Estimate, "ellipse of equal second moments");
-        scene.mark(Picture::CURRENT, Role::Measured, Shape::Points(vec![*center]));
-        scene.legend(Role::Measured, "centroid");
+        scene.draw(Picture::CURRENT, (Role::Estimate, "ellipse of equal second moments"), ellipse);
+        scene.draw(Picture::CURRENT, (Role::Measured, "centroid"), Shape::Points(vec![*center]));
         let text =
             Shape::Text { at: bounds.min, text: format!("{}: {} px", blob.label, grouped(blob.area_px as usize)) };
         scene.mark(Picture::CURRENT, Role::Result, text);

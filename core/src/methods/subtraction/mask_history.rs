@@ -39,7 +39,6 @@ impl<'a> MaskHistory<'a> {
         by.unwrap_or_default()
     }
 
-    /// The masks so far, the last one last.
     pub(super) fn masks(&self) -> impl DoubleEndedIterator<Item = &'a Arc<Mask>> {
         self.events.iter().filter_map(masked)
     }
@@ -87,7 +86,6 @@ impl<'a> MaskHistory<'a> {
     }
 }
 
-/// The mask of an event.
 fn masked(event: &Event) -> Option<&Arc<Mask>> {
     match event {
         Event::Decided(mask)

@@ -103,7 +103,8 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
     /// The parameters that background subtractions share.
     fn setup(&self) -> Setup;
 
-    /// Returns the model displaced by `by` px, whole ones unless each frame replaces it; what comes into the picture is initialised with the frame.
+    /// Returns the model displaced by `by` px, whole ones unless each frame replaces it; uncovered pixels are
+    /// initialised with the frame.
     fn moved(&self, model: &Self::Model, _by: [f32; 2], _frame: &Arc<Frame>) -> Self::Model {
         model.clone()
     }
@@ -379,7 +380,7 @@ pub(crate) fn sifted(settings: Settings, picture: (usize, usize), all: Vec<Detec
     [kept, dropped]
 }
 
-/// The level that `of` gives for pixels of a picture that is displaced by `by` px; `None` for what comes into the picture.
+/// The level that `of` gives for pixels of a picture that is displaced by `by` px; `None` for uncovered pixels.
 fn displaced_by(
     by: [f32; 2],
     (width, height): (usize, usize),
@@ -537,12 +538,10 @@ impl<M: Background> Subtraction<M> {
     }
 }
 
-/// The boxes of true objects.
 fn boxes(objects: &[ObjectBox]) -> Boxes {
     objects.iter().map(|object| (object.id, Bounds::from(object))).collect()
 }
 
-/// The boxes of the blobs of a frame.
 fn detected(frame: &ObjectFrame) -> Boxes {
     (0..).zip(&frame.detections).map(|(i, found)| (i, found.bounds)).collect()
 }
@@ -609,11 +608,11 @@ impl<M: Background> Estimator for Subtraction<M> {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        self.explained_step(seen)
+        self.explain_step(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.drawn(seen, scene);
+        self.draw_marks(seen, scene);
     }
 
     fn output(&self, state: &Self::State) -> Output {

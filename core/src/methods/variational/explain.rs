@@ -169,14 +169,13 @@ impl<M: Model> Variational<M> {
         let Some(Probe { place: (x, y), level, .. }) = Probe::at(seen) else { return };
         let [x, y] = [x, y].map(|c| c as f32);
         let [min, max] = seen.before.fixed.frames.on_picture(level, [x, y], [x + 1.0, y + 1.0]);
-        scene.mark(Picture::CURRENT, Role::Reference, Shape::Rect { min, max });
-        scene.legend(Role::Reference, "inspected pixel");
+        scene.draw(Picture::CURRENT, (Role::Reference, "inspected pixel"), Shape::Rect { min, max });
     }
 
     /// Returns the plots of energy, mean change and endpoint error over iterations.
     fn series(&self, seen: &Seen<Self>) -> Vec<Series> {
         let mut notes = seen.before.notes.clone();
-        // Those plotted, and the current one.
+        // The plotted iterations, and the current one.
         notes.extend(self.noted(seen));
         let Some(last) = notes.last().map(|note| note.number) else { return Vec::new() };
         let line = |of: fn(&Note) -> f32| -> Vec<[f32; 2]> {
@@ -189,7 +188,7 @@ impl<M: Model> Variational<M> {
         let sections: Vec<_> = explain::sections(notes.iter().map(|note| (note.number, note.place)), counts).collect();
         let series = |title, y_label, lines| {
             let sections = sections.clone();
-            Series { title, x_label: "iteration", y_label, x_max, sections, lines, ..Series::default() }
+            Series { sections, ..Series::new(title, ["iteration", y_label], x_max, lines) }
         };
         let energy = vec![
             ("energy", Role::Result, line(|note| note.data + note.smoothness)),

@@ -118,7 +118,7 @@ impl Local {
         let [xx, xy, yy, xt, yt, _] = &tensor.parts;
         let write = |y: usize, to: [&mut [f32]; 5]| {
             let rows = [xx.row(y), xy.row(y), yy.row(y), xt.row(y), yt.row(y)];
-            solved_row(rows, alpha, to);
+            solve_row(rows, alpha, to);
         };
         if let Some(relaxation) = relaxation {
             return Self::Sor(sor::Factors::new(size, write, threads), relaxation);
@@ -141,12 +141,12 @@ impl Local {
 }
 
 widest! {
-    fn solved_row(tensor: [&[f32]; 5], alpha: f32, to: [&mut [f32]; 5]) = solved
+    fn solve_row(tensor: [&[f32]; 5], alpha: f32, to: [&mut [f32]; 5]) = solve
 }
 
 /// A and b of the pixels of a row with these motion tensors.
 #[inline(always)]
-fn solved([xx, xy, yy, xt, yt]: [&[f32]; 5], alpha: f32, [uu, uv, vv, u, v]: [&mut [f32]; 5]) {
+fn solve([xx, xy, yy, xt, yt]: [&[f32]; 5], alpha: f32, [uu, uv, vv, u, v]: [&mut [f32]; 5]) {
     let weight = f64::from(alpha) * f64::from(alpha);
     for x in 0..uu.len() {
         let (xy, xt, yt) = (f64::from(xy[x]), f64::from(xt[x]), f64::from(yt[x]));

@@ -20,5 +20,5 @@ pub use local::{Local, MotionTensor};
 pub use model::{Explanation, Model, Probe, Warp};
 pub use primal_dual::Dual;
 pub use run::Variational;
-pub use solver::Solver;
+pub use solver::{PixelUpdate, Solver};
 pub use vocabulary::{case, value};

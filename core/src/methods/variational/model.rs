@@ -47,7 +47,7 @@ pub trait Model: Params + Default + Clone + Send + Sync + 'static {
     const ENERGY_UNIT: &'static str;
     /// The explanation of the energy, at the start of a run.
     const OPENING: &'static Case;
-    /// What would help where the method fails.
+    /// Remedies where the method fails.
     const ADVICE: Advice;
     /// Numbers per pixel in [`Model::System`].
     const SYSTEM_PARTS: usize;
@@ -64,7 +64,7 @@ pub trait Model: Params + Default + Clone + Send + Sync + 'static {
     /// Returns the pseudocode lines of the steps of an iteration.
     fn steps(&self) -> &'static [Name];
 
-    /// Returns what the formula of the last of these steps is.
+    /// Returns the subject of the last step's formula.
     fn last_formula(&self) -> &'static str {
         "update"
     }

@@ -194,9 +194,9 @@ impl Band<'_> {
         let to = [field.u.row_mut(i), field.v.row_mut(i)];
         if y == 0 {
             let nothing = vec![0.0; rows[0][0].len()];
-            smoothed_widest(to, factors, rows.map(|[along, down, _]| [along, down, &nothing]), self.weights);
+            smooth_widest(to, factors, rows.map(|[along, down, _]| [along, down, &nothing]), self.weights);
         } else {
-            smoothed_widest(to, factors, rows, self.weights);
+            smooth_widest(to, factors, rows, self.weights);
         }
     }
 
@@ -218,7 +218,7 @@ fn bands(grid: &mut Grid<f32>, rows: usize) -> std::slice::ChunksMut<'_, f32> {
 }
 
 widest! {
-    fn smoothed_widest(field: [&mut [f32]; 2], factors: [&[f32]; 3], p: [[&[f32]; 3]; 2], weights: Weights) = smoothed
+    fn smooth_widest(field: [&mut [f32]; 2], factors: [&[f32]; 3], p: [[&[f32]; 3]; 2], weights: Weights) = smooth
 }
 
 widest! {
@@ -227,7 +227,7 @@ widest! {
 
 /// Updates a row of the flow from its constraints and from p: its row along x, its row along y and the one above.
 #[inline(always)]
-fn smoothed([u, v]: [&mut [f32]; 2], factors: [&[f32]; 3], p: [[&[f32]; 3]; 2], weights: Weights) {
+fn smooth([u, v]: [&mut [f32]; 2], factors: [&[f32]; 3], p: [[&[f32]; 3]; 2], weights: Weights) {
     let mut x = 0;
     while x < u.len() {
         // Separate output arrays let the compiler vectorise.

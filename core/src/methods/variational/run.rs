@@ -46,7 +46,7 @@ pub struct State<M: Model> {
     pub(super) is_done: bool,
 }
 
-/// The constraints of a warp, or what they are computed from.
+/// The constraints of a warp, or the flow to linearise about.
 enum Constraints<M: Model> {
     /// The next iteration begins a warp, from the current flow.
     Next,
@@ -89,7 +89,6 @@ pub(super) struct Fixed {
 }
 
 impl Fixed {
-    /// Returns the levels as pictures.
     pub(super) fn pictures(&self) -> Arc<[Level]> {
         let seen = |level: &Grid<f32>| Arc::new(Frame::gray(level.map(|v| v.round().clamp(0.0, 255.0) as u8)));
         let coarser = |level: usize| Level::covering(self.frames.pair(level).map(seen));
@@ -101,7 +100,7 @@ impl Fixed {
     }
 }
 
-/// Iterations of a warp after which its stopping criterion is tested: every so many.
+/// The stopping criterion is tested after every group of this many iterations of a warp.
 const TESTED: usize = 8;
 
 /// Number of further iterations up to the next plotted one, after `iteration` of a warp. Energy, change and error are plotted

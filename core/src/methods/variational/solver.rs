@@ -33,6 +33,16 @@ choices! {
 /// A point of the plane: its name, its role, and where it lies.
 type NamedPoint = (&'static str, Role, [f32; 2]);
 
+/// The update of a pixel.
+pub struct PixelUpdate {
+    /// The neighbourhood mean of the flow in px.
+    pub mean: [f32; 2],
+    /// The flow after it, without over-relaxation, in px.
+    pub to: [f32; 2],
+    /// The relaxation factor ω.
+    pub relaxation: f32,
+}
+
 impl Solver {
     /// Returns the relaxation factor ω, 1 for Gauss–Seidel; `None` for Jacobi.
     pub fn relaxation(self, over: f32) -> Option<f32> {
@@ -48,7 +58,7 @@ impl Solver {
         if self == Solver::Sor { all } else { &all[..N - 1] }
     }
 
-    /// Returns what the last step of an iteration does to a pixel.
+    /// Returns the effect of the last step of an iteration on a pixel.
     pub fn last_formula(self) -> &'static str {
         if self == Solver::Sor { "over-relaxation" } else { "update" }
     }
@@ -67,11 +77,11 @@ impl Solver {
 
     /// Explains the step `index` of an iteration at a pixel: the neighbourhood mean, the update, which `tell` explains, or its
     /// extrapolation. Returns with it the points of the plane; before the update its result is none of them.
-    pub fn explained<M: Model<Unknowns = Field>>(
+    pub fn explain<M: Model<Unknowns = Field>>(
         self,
         (index, step): (usize, Step),
         probe: &Probe<M>,
-        ([mean, update], relaxation): ([[f32; 2]; 2], f32),
+        PixelUpdate { mean, to: update, relaxation }: PixelUpdate,
         tell: impl FnOnce(Step) -> Step,
     ) -> (Step, Vec<NamedPoint>) {
         let mean_point = ("mean", Role::Predicted, mean);

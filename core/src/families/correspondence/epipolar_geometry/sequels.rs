@@ -1,10 +1,9 @@
-//! What follows from the fundamental matrix: guided matching along epipolar lines, and the rectified pair.
+//! Applications of the fundamental matrix: guided matching along epipolar lines, and the rectified pair.
 
 use super::vocabulary::{case, value};
 use super::{EpipolarGeometry, Planarity, cut, line_of};
 use crate::base::Threads;
 use crate::data::Clip;
-use crate::methods::camera_path::matrix;
 use crate::methods::geometric::Correspondence;
 use crate::methods::geometric::epipolar::{epipoles, sampson_squared};
 use crate::methods::geometric::rectify::{Rectification, Refusal, rectify};
@@ -13,7 +12,7 @@ use crate::methods::matching::{Admits, Candidates};
 use crate::products::model::{IDENTITY, Matrix3, inverse};
 use crate::products::registration::registered;
 use crate::products::{Match, MatchErrors, MatchField, MatchStatus};
-use crate::scene::{Canvas, Focus, Link, Picture, Readout, Role, Scene, Shape, Step};
+use crate::scene::{Canvas, Focus, Link, Matrix, Picture, Readout, Role, Scene, Shape, Step};
 
 /// Largest number of rows drawn on the rectified pair.
 const ROWS: usize = 12;
@@ -32,7 +31,7 @@ fn beside_px(estimate: &Estimate<'_>, frame: usize) -> Option<f64> {
     Some(outside(x / w, width).hypot(outside(y / w, height)))
 }
 
-/// The right ones among matches with a known true displacement, if there are any.
+/// The correct matches among those with a known true displacement, if there are any.
 fn compare_with_truth(all: &[Match], estimate: &Estimate<'_>) -> Option<MatchErrors> {
     Some(MatchField::compare(all.iter(), estimate.truth?)).filter(|errors| errors.known > 0)
 }
@@ -55,7 +54,7 @@ impl EpipolarGeometry {
 
     /// The matches without guidance.
     fn unguided(&self, estimate: &Estimate<'_>) -> Vec<Match> {
-        // The clip only cancels the work, and there is none to cancel.
+        // The clip only serves to cancel the work, and there is nothing to cancel.
         let clip = Clip::blank("a pair of frames", estimate.size(), 2);
         let mut all = self.matching.matches(estimate.pair, &clip, &Threads::single()).unwrap_or_default();
         all.retain(|found| found.status == MatchStatus::Match);
@@ -128,15 +127,12 @@ impl EpipolarGeometry {
             scene.legend(role, meaning);
         }
         let Some((from, near)) = self.example(estimate, &matrix, (&found, focus)) else { return };
-        scene.mark(Picture::CURRENT, Role::Measured, Shape::Ellipse { center: from, radii: [4.0; 2], angle_rad: 0.0 });
-        scene.legend(Role::Measured, "keypoint");
+        scene.draw(Picture::CURRENT, (Role::Measured, "keypoint"), Shape::circle(from, 4.0));
         if let Some(ends) = cut(line_of(&matrix, from.map(f64::from)), estimate.size()) {
-            scene.mark(Picture::NEXT, Role::Predicted, Shape::Path { points: ends.to_vec(), closed: false });
-            scene.legend(Role::Predicted, "its epipolar line");
+            scene.draw(Picture::NEXT, (Role::Predicted, "its epipolar line"), Shape::line(ends.to_vec()));
         }
         for center in near {
-            scene.mark(Picture::NEXT, Role::Candidate, Shape::Ellipse { center, radii: [3.0; 2], angle_rad: 0.0 });
-            scene.legend(Role::Candidate, "candidate near the line");
+            scene.draw(Picture::NEXT, (Role::Candidate, "candidate near the line"), Shape::circle(center, 3.0));
         }
     }
 
@@ -169,8 +165,8 @@ impl EpipolarGeometry {
         };
         let step = step.fact(value::STRETCH, stretch).say(case::RECTIFIED);
         let step = step.show(Readout::Matrices(vec![
-            matrix("H", "rectifies frame t", Role::Reference, &found.maps[0]),
-            matrix("H′", "rectifies frame t+1", Role::Result, &found.maps[1]),
+            Matrix::of_rows("H", "rectifies frame t", &found.maps[0]).with_role(Role::Reference),
+            Matrix::of_rows("H′", "rectifies frame t+1", &found.maps[1]).with_role(Role::Result),
         ]));
         let (rows, before) = if off.is_some() { (case::ROWS_DIFFER, case::BUT) } else { (case::NO_ROWS, case::AND) };
         match beside_px(estimate, frame).filter(|_| stretch > DISTORTED) {
@@ -201,8 +197,8 @@ impl EpipolarGeometry {
             let right = found.size.0 as f32 - 0.5;
             for (on, at) in pictures.into_iter().zip([from, to]) {
                 let points = vec![[-0.5, from[1]], [right, from[1]]];
-                scene.mark(on, Role::Predicted, Shape::Path { points, closed: false });
-                scene.mark(on, Role::Result, Shape::Ellipse { center: at, radii: [3.0; 2], angle_rad: 0.0 });
+                scene.mark(on, Role::Predicted, Shape::line(points));
+                scene.mark(on, Role::Result, Shape::circle(at, 3.0));
             }
             scene.legend(Role::Predicted, "epipolar line of a match");
             scene.legend(Role::Result, "matched keypoint");

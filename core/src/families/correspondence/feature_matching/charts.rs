@@ -34,14 +34,9 @@ impl FeatureMatching {
             lines.push(("precision: right of accepted", Role::Result, precisions));
         }
         Some(Series {
-            title: "Ratio test",
-            x_label: "ratio limit",
-            y_label: "share",
-            x_max: 1,
-            lines,
             is_sweep: true,
             chosen: Some(self.settings.ratio),
-            ..Series::default()
+            ..Series::new("Ratio test", ["ratio limit", "share"], 1, lines)
         })
     }
 
@@ -51,13 +46,7 @@ impl FeatureMatching {
         let tile = |side: usize, index: usize, label, role| {
             let luma = state.fixed.pair.frames[side].luma();
             let place = luma.cell_at(state.fixed.pair.sides[side].points[index].at)?;
-            Some(Tile {
-                label,
-                role: Some(role),
-                values: explain::around(luma, place, reach),
-                range: [0.0, 255.0],
-                framed: Vec::new(),
-            })
+            Some(Tile::gray(label, explain::around(luma, place, reach)).with_role(role))
         };
         let first = neighbors.first.and_then(|(index, _)| tile(1, index, "Nearest", Role::Best));
         let second = neighbors.second.and_then(|(index, _)| tile(1, index, "Second nearest", Role::Rejected));
@@ -77,16 +66,7 @@ pub(super) fn descriptors(keypoint: &Keypoint, other: Option<&Keypoint>) -> Opti
     let x_max = own.len();
     let mut lines = vec![("a, of the keypoint", Role::Reference, own)];
     lines.extend(other.and_then(entries).map(|values| ("b, of the nearest", Role::Best, values)));
-    Some(Series {
-        title: "Descriptors",
-        x_label: "entry",
-        y_label: "value",
-        x_max,
-        lines,
-        is_sweep: true,
-        fits_values: true,
-        ..Series::default()
-    })
+    Some(Series { is_sweep: true, fits_values: true, ..Series::new("Descriptors", ["entry", "value"], x_max, lines) })
 }
 
 /// Bins of the histogram of distances.
@@ -115,12 +95,12 @@ pub(super) fn distances(state: &State) -> Option<Series> {
         None => vec![("nearest neighbours", Role::Reference, line(&|_| true))],
     };
     Some(Series {
-        title: "Distances of nearest neighbours",
-        x_label: "distance of the descriptors",
-        y_label: "keypoints",
-        x_max: most.ceil() as usize,
-        lines,
         is_sweep: true,
-        ..Series::default()
+        ..Series::new(
+            "Distances of nearest neighbours",
+            ["distance of the descriptors", "keypoints"],
+            most.ceil() as usize,
+            lines,
+        )
     })
 }

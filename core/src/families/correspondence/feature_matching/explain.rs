@@ -18,13 +18,12 @@ impl FeatureMatching {
                 return step.say(case::OPENING);
             }
             Some(Event::Nothing) => Step::at(line::EACH_KEYPOINT).say(case::NO_KEYPOINTS),
-            Some(Event::Of(event)) => self.compared(seen, *event, is_end),
+            Some(Event::Of(event)) => self.tell_comparison(seen, *event, is_end),
         };
-        if is_end { self.concluded(seen.after.unwrap_or(state), step) } else { step }
+        if is_end { self.conclude(seen.after.unwrap_or(state), step) } else { step }
     }
 
-    /// Explains an event of the comparison of a keypoint.
-    fn compared(&self, seen: &Seen<Self>, event: Compared, is_end: bool) -> Step {
+    fn tell_comparison(&self, seen: &Seen<Self>, event: Compared, is_end: bool) -> Step {
         let (state, index) = (seen.before, seen.before.found.len());
         let [here, there] = state.fixed.pair.sides.each_ref();
         let line = match event {
@@ -42,7 +41,7 @@ impl FeatureMatching {
         };
         let neighbors = neighbors(seen);
         let step = Step::at(line).fact(features::KEYPOINT, index + 1).fact(features::KEYPOINTS, here.points.len());
-        let step = self.measured(step.fact(features::POSITION, here.points[index].at), &neighbors, state);
+        let step = self.put_neighbors(step.fact(features::POSITION, here.points[index].at), &neighbors, state);
         let is_near = self.settings.radius > 0;
         let step = match event {
             Compared::Nearer { index, distance } => {
@@ -67,7 +66,7 @@ impl FeatureMatching {
             Compared::CrossCheck { passes: true, .. } => step.say(case::MUTUAL),
             Compared::CrossCheck { back, .. } => step.put(value::BACK, here.points[back].at).say(case::NOT_MUTUAL),
             Compared::Outcome(None) => step.say(case::NO_OUTCOME),
-            Compared::Outcome(Some(outcome)) => self.decided(step, state, &outcome),
+            Compared::Outcome(Some(outcome)) => self.tell_outcome(step, state, &outcome),
         };
         if is_end {
             let after = seen.after.unwrap_or(state);
@@ -83,8 +82,8 @@ impl FeatureMatching {
         step.show_all(descriptors(&here.keypoints[index], other).map(Readout::Series))
     }
 
-    /// Puts the neighbours of a keypoint that are known, and the limits of the tests.
-    fn measured(&self, step: Step, neighbors: &Neighbors, state: &State) -> Step {
+    /// Puts the known neighbours of a keypoint and the limits of the tests.
+    fn put_neighbors(&self, step: Step, neighbors: &Neighbors, state: &State) -> Step {
         let at = |index: usize| state.fixed.pair.sides[1].points[index].at;
         let Neighbors { first, second } = neighbors;
         let step = step.fact_if(value::NEAREST, first.map(|(index, _)| at(index)));
@@ -97,8 +96,7 @@ impl FeatureMatching {
         step.put(value::RADIUS, self.settings.radius)
     }
 
-    /// Explains the outcome of the tests.
-    fn decided(&self, step: Step, state: &State, outcome: &Outcome) -> Step {
+    fn tell_outcome(&self, step: Step, state: &State, outcome: &Outcome) -> Step {
         let found = state.match_of(state.found.len(), outcome);
         let step = step.put(value::DISPLACEMENT, found.displacement());
         let step = step.say(match found.status {
@@ -117,8 +115,7 @@ impl FeatureMatching {
         step.say_if(outcome.neighbors.second.is_none() && self.settings.ratio < 1.0, case::WAS_ALONE)
     }
 
-    /// Adds the conclusion at the end of a run.
-    fn concluded(&self, state: &State, step: Step) -> Step {
+    fn conclude(&self, state: &State, step: Step) -> Step {
         let (all, limit): (Vec<Match>, f32) = (state.matches().collect(), self.settings.ratio);
         if state.count() == 0 {
             return step.say(case::NO_MATCHES);

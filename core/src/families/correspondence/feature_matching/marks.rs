@@ -16,8 +16,7 @@ impl FeatureMatching {
         for (on, side) in [(Picture::CURRENT, here), (Picture::NEXT, there)] {
             let points: Vec<_> = side.points.iter().map(|point| point.at).collect();
             if !points.is_empty() {
-                scene.mark(on, Role::Rejected, Shape::Points(points));
-                scene.legend(Role::Rejected, alone);
+                scene.draw(on, (Role::Rejected, alone), Shape::Points(points));
             }
         }
         let shown = seen.after.unwrap_or(state);
@@ -47,8 +46,11 @@ impl FeatureMatching {
         scene.legend(Role::Reference, "keypoint compared");
         if self.settings.radius > 0 {
             let radii = [self.settings.radius as f32; 2];
-            scene.mark(Picture::NEXT, Role::Predicted, Shape::Ellipse { center: point.at, radii, angle_rad: 0.0 });
-            scene.legend(Role::Predicted, "search radius");
+            scene.draw(
+                Picture::NEXT,
+                (Role::Predicted, "search radius"),
+                Shape::Ellipse { center: point.at, radii, angle_rad: 0.0 },
+            );
         }
         let mut candidate = |index: usize, role, meaning| {
             let to = there.points[index].at;
@@ -79,7 +81,7 @@ impl FeatureMatching {
     /// A circle as large as the described neighbourhood, or the square of a patch.
     fn draw_keypoint(&self, (on, role): (Picture, Role), at: [f32; 2], keypoint: &Keypoint, scene: &mut Scene) {
         let shape = match keypoint.scale_px {
-            Some(scale) => Shape::Ellipse { center: at, radii: [WINDOW_SIGMAS / 2.0 * scale; 2], angle_rad: 0.0 },
+            Some(scale) => Shape::circle(at, WINDOW_SIGMAS / 2.0 * scale),
             None => {
                 let reach = self.settings.reach() as f32 + 0.5;
                 Shape::Rect { min: at.map(|c| c - reach), max: at.map(|c| c + reach) }

@@ -10,16 +10,16 @@ impl FeatureTracker {
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
         let step = match seen.events.last() {
             None => return Step::at(line::EACH_PAIR).put(value::FRAMES, self.frames).say(case::OPENING),
-            Some(Event::Detected(pair)) => self.detected(seen, pair),
-            Some(Event::Linked(pair, linked)) => Self::linked(seen, pair, linked),
-            Some(Event::Ended(pair)) => Self::ended(seen, pair),
+            Some(Event::Detected(pair)) => self.tell_detection(seen, pair),
+            Some(Event::Linked(pair, linked)) => Self::tell_link(seen, pair, linked),
+            Some(Event::Ended(pair)) => Self::tell_end(seen, pair),
         };
         let now = seen.after.unwrap_or(seen.before);
         step.show_all(trails::turnover("Tracks", &now.counts, &now.tracks, &now.span))
     }
 
     /// Puts the tracks that a pair continues, begins and loses.
-    fn counted(seen: &Seen<Self>, step: Step) -> Step {
+    fn put_counts(seen: &Seen<Self>, step: Step) -> Step {
         let [continued, lost, begun] = turnover(seen.events);
         step.fact(value::CONTINUED, continued).fact(value::BEGUN, begun).fact(value::LOST, lost)
     }
@@ -30,17 +30,16 @@ impl FeatureTracker {
         Step::at(line).fact(value::FRAME, t).fact(value::NEXT_FRAME, t + 1)
     }
 
-    fn detected(&self, seen: &Seen<Self>, pair: &Pair) -> Step {
+    fn tell_detection(&self, seen: &Seen<Self>, pair: &Pair) -> Step {
         let [here, there] = pair.sides.each_ref().map(|side| side.points.len());
-        let step = Self::counted(seen, Self::at(seen, line::DETECT));
+        let step = Self::put_counts(seen, Self::at(seen, line::DETECT));
         let step = step.put(value::DETECTOR, self.matching.detector.estimator().info().name);
         let step = step.put(value::KEYPOINTS, here).put(value::KEYPOINTS_THERE, there);
         let step = step.put(value::RADIUS, self.matching.radius);
         step.say(if self.matching.radius == 0 { case::DETECTED } else { case::DETECTED_NEAR })
     }
 
-    /// Explains what becomes of a keypoint.
-    fn linked(seen: &Seen<Self>, pair: &Pair, linked: &Linked) -> Step {
+    fn tell_link(seen: &Seen<Self>, pair: &Pair, linked: &Linked) -> Step {
         let (line, case) = match (linked.track, linked.to) {
             (Some(_), Some(_)) => (line::CONTINUE, case::CONTINUES),
             (None, Some(_)) => (line::BEGIN, case::BEGINS),
@@ -57,7 +56,7 @@ impl FeatureTracker {
         let step = step.fact_if(value::RATIO, neighbors.map(|found| ratio(found.ratio())));
         let step = step.fact_if(value::DISPLACEMENT, to.map(|to| [to[0] - from[0], to[1] - from[1]]));
         let truth = pair.truth.as_ref().and_then(|truth| truth.sample(from));
-        let step = Self::counted(seen, step.fact_if(value::TRUE_DISPLACEMENT, truth));
+        let step = Self::put_counts(seen, step.fact_if(value::TRUE_DISPLACEMENT, truth));
         let step = step.put(features::POSITION, from);
         let step = match to {
             Some(to) => step.put(value::MATCH, to).say(case::MATCHED),
@@ -76,9 +75,9 @@ impl FeatureTracker {
     }
 
     /// Explains the end of a pair, and of the run at its end.
-    fn ended(seen: &Seen<Self>, pair: &Pair) -> Step {
+    fn tell_end(seen: &Seen<Self>, pair: &Pair) -> Step {
         let state = seen.after.unwrap_or(seen.before);
-        let step = Self::counted(seen, Self::at(seen, line::END_PAIR));
+        let step = Self::put_counts(seen, Self::at(seen, line::END_PAIR));
         let [continued, lost, _] = turnover(seen.events);
         let step = step.put(value::TRACKS, continued + lost).say(case::PAIR_ENDED);
         let step = match mean_error(seen.events, pair) {

@@ -2,7 +2,7 @@
 
 use super::{Event, ImageAlignment, Stage, State, line};
 use crate::geometry::Grid;
-use crate::methods::alignment::explain::{hessian, parameters, warp_matrix};
+use crate::methods::alignment::explain::{hessian, parameter_vectors};
 use crate::methods::alignment::{self, difference, places, rank};
 use crate::products::Model;
 use crate::products::metrics;
@@ -100,12 +100,12 @@ impl ImageAlignment {
             let step = Step::at(line).put(value::PARAMETERS, self.model.freedom());
             Self::progress(step.fact_as(model.clone(), case::MODEL), state)
         };
-        let step = self.told(*stage, state, at);
+        let step = self.tell_stage(*stage, state, at);
         let step = match seen.after.filter(|after| after.is_over && state.level == 0) {
-            Some(after) => self.concluded(step, after),
+            Some(after) => self.conclude(step, after),
             None => step,
         };
-        self.charted(step, *stage, state)
+        self.add_charts(step, *stage, state)
     }
 
     /// Adds the level, the iterations and, once they are known, error and increment.
@@ -117,7 +117,7 @@ impl ImageAlignment {
         step.fact_if(value::MOVED, state.increment.as_ref().map(|increment| increment.moved_px))
     }
 
-    fn told(&self, stage: Stage, state: &State, at: impl Fn(Name) -> Step) -> Step {
+    fn tell_stage(&self, stage: Stage, state: &State, at: impl Fn(Name) -> Step) -> Step {
         let rank = |hessian: &[f64]| rank(hessian, self.model.freedom());
         const RMS: &str = r"\text{RMS} = \sqrt{\frac{1}{N} \sum_x (I(W(x)) - T(x))^2} = {rms:unit}";
         const INCREMENT: &str = r"\mathbf{H} \, \Delta p = \mathbf{b} = \sum_x \mathbf{D}^\top (I(W(x)) - T(x))";
@@ -172,7 +172,7 @@ impl ImageAlignment {
         }
     }
 
-    fn concluded(&self, step: Step, after: &State) -> Step {
+    fn conclude(&self, step: Step, after: &State) -> Step {
         let model = after.model(self.model);
         if model.matrix.is_none() {
             let step = step.put(value::RANK, rank(&after.hessian, self.model.freedom()));
@@ -200,7 +200,7 @@ impl ImageAlignment {
     }
 
     /// Adds the pictures, the matrices and the plot of a step.
-    fn charted(&self, step: Step, stage: Stage, state: &State) -> Step {
+    fn add_charts(&self, step: Step, stage: Stage, state: &State) -> Step {
         let step = step.show(Readout::Tiles(match stage {
             Stage::SteepestDescent | Stage::Hessian | Stage::Singular => {
                 alignment::explain::steepest_descent(&self.aligner(state))
@@ -211,17 +211,17 @@ impl ImageAlignment {
     }
 
     fn matrices(&self, stage: Stage, state: &State) -> Vec<Matrix> {
+        let warp = || Matrix::of_rows("W", "warp, px of the picture", &state.matrix).with_role(Role::Result);
         match (stage, &state.compared, &state.increment) {
             (Stage::Hessian | Stage::Singular, ..) => vec![hessian(self.model, &state.hessian)],
-            (Stage::Solve, Some(compared), Some(increment)) => vec![
-                parameters(self.model, ("b", "right-hand side", Role::Error), &compared.right),
-                parameters(self.model, ("Δp", "increment", Role::Estimate), &increment.parameters),
-            ],
-            (Stage::Update | Stage::Converged | Stage::Exhausted, _, Some(increment)) => vec![
-                warp_matrix(("ΔW", "warp of the increment, px of the level", Role::Estimate), &increment.matrix),
-                warp_matrix(("W", "warp, px of the picture", Role::Result), &state.matrix),
-            ],
-            _ => vec![warp_matrix(("W", "warp, px of the picture", Role::Result), &state.matrix)],
+            (Stage::Solve, Some(compared), Some(increment)) => {
+                parameter_vectors(self.model, &compared.right, &increment.parameters).into()
+            }
+            (Stage::Update | Stage::Converged | Stage::Exhausted, _, Some(increment)) => {
+                let of_increment = Matrix::of_rows("ΔW", "warp of the increment, px of the level", &increment.matrix);
+                vec![of_increment.with_role(Role::Estimate), warp()]
+            }
+            _ => vec![warp()],
         }
     }
 
@@ -234,19 +234,16 @@ impl ImageAlignment {
             corners.iter().filter_map(|at| mapped(&state.matrix, *at)).map(|at| at.map(|c| c as f32)).collect();
         if seen.after.is_some_and(|after| after.is_over) {
             let values = seen.after.map_or(state.model(self.model), |after| after.model(self.model));
-            scene.mark(
+            scene.draw(
                 Picture::CURRENT,
-                Role::Result,
+                (Role::Result, "displacement by the warp"),
                 Shape::Flow { origin: [0.0; 2], values: values.displacements_of_pixels().0 },
             );
-            scene.legend(Role::Result, "displacement by the warp");
         } else if state.compared.is_some() && matches!(stage, Stage::Warp | Stage::Diverged | Stage::Worse { .. }) {
-            scene.mark(Picture::CURRENT, Role::Error, error_picture(state));
-            scene.legend(Role::Error, "absolute difference after warping");
+            scene.draw(Picture::CURRENT, (Role::Error, "absolute difference after warping"), error_picture(state));
             scene.heat = Some("gray levels");
         }
-        scene.mark(Picture::NEXT, Role::Estimate, Shape::Path { points: outline, closed: true });
-        scene.legend(Role::Estimate, "frame t, warped into frame t+1");
+        scene.draw(Picture::NEXT, (Role::Estimate, "frame t, warped into frame t+1"), Shape::outline(outline));
     }
 }
 
@@ -268,7 +265,7 @@ fn error_picture(state: &State) -> Shape {
         let place = (nearest(x, template.width()), nearest(y, template.height()));
         difference([template, image], &warp, place).map_or(f32::NAN, f32::abs)
     });
-    Shape::Heat { origin: [0.0; 2], values }
+    Shape::heat(values)
 }
 
 /// Frame t, the warped frame t + 1, and their difference, on the current level.

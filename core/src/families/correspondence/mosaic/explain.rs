@@ -5,11 +5,11 @@ use std::sync::Arc;
 use super::{Event, Mosaic, Placed, State, line};
 use crate::methods::camera_path::explain::value as path;
 use crate::methods::camera_path::{
-    Blending, Canvas as Sheet, chain_step, conclude, draw_link, estimate_step, matrix, outline, path_series,
+    Blending, Canvas as Sheet, chain_step, conclude, draw_link, estimate_step, outline, path_series,
 };
 use crate::products::Views;
 use crate::run::Seen;
-use crate::scene::{Canvas, Name, Picture, PictureRole, Readout, Role, Scene, Shape, Step, Unit};
+use crate::scene::{Canvas, Matrix, Name, Picture, PictureRole, Readout, Role, Scene, Shape, Step, Unit};
 use crate::{cases, variables};
 
 /// The mosaic.
@@ -125,7 +125,6 @@ impl Mosaic {
     }
 }
 
-/// Puts the size of the mosaic.
 fn put_size(step: Step, canvas: &Sheet) -> Step {
     let (width, height) = canvas.window.size;
     step.put(value::HEIGHT, height).fact_as(value::WIDTH.is(width), case::SIZE)
@@ -134,15 +133,15 @@ fn put_size(step: Step, canvas: &Sheet) -> Step {
 /// A step of a frame with its numbers, its maps and the path.
 fn frame_step(line: Name, seen: &Seen<Mosaic>, placed: &Placed) -> Step {
     let (state, chain) = (seen.before, &seen.before.chain);
-    let mut matrices = vec![matrix("P", "from the first frame", Role::Measured, &chain.to_frames[state.placed])];
-    matrices.extend(placed.map.as_ref().map(|map| matrix("A", "to the mosaic", Role::Result, map)));
+    let mut matrices =
+        vec![Matrix::of_rows("P", "from the first frame", &chain.to_frames[state.placed]).with_role(Role::Measured)];
+    matrices.extend(placed.map.as_ref().map(|map| Matrix::of_rows("A", "to the mosaic", map).with_role(Role::Result)));
     let step = Step::at(line).fact(path::FRAME, chain.span.first + state.placed);
     let step = put_size(step, &placed.canvas).fact(value::BLENDED, state.placed + 1);
     let step = step.put(value::REFERENCE, chain.span.first + state.reference()).formula("A = P(c) P(t)^{-1}");
     step.show(Readout::Matrices(matrices)).show_all(path_series(chain, &[], seen.clip))
 }
 
-/// The conclusion of the run.
 fn conclude_run(step: Step, seen: &Seen<Mosaic>, after: &State) -> Step {
     let step = step.put(value::FRAMES, after.chain.to_frames.len()).say(case::CONCLUDED);
     let step = match after.chain.field(&[], Views::None).errors(seen.clip).map(|errors| errors.drift_px) {
@@ -169,5 +168,5 @@ fn draw_outline(canvas: &Sheet, (state, i): (&State, usize), role: Role, scene: 
     let corners = state.to_reference(i).and_then(|map| outline(&map, state.chain.picture));
     let Some(corners) = corners else { return };
     let points = corners.iter().map(|at| [0, 1].map(|c| (at[c] - origin[c]) as f32)).collect();
-    scene.mark(MOSAIC, role, Shape::Path { points, closed: true });
+    scene.mark(MOSAIC, role, Shape::outline(points));
 }

@@ -2,9 +2,8 @@
 
 use super::{Event, PhaseCorrelation, Stage, State, spectrum};
 use crate::geometry::Grid;
-use crate::methods::camera_path::matrix;
 use crate::run::Seen;
-use crate::scene::{BetweenPixels, Footing, Picture, Readout, Role, Scene, Shape, Step, Surface, Tile};
+use crate::scene::{BetweenPixels, Footing, Matrix, Picture, Readout, Role, Scene, Shape, Step, Surface, Tile};
 
 /// Cells along a side of a tile, at most.
 const CELLS: usize = 96;
@@ -12,14 +11,15 @@ const CELLS: usize = 96;
 const REACH: i32 = 32;
 
 impl PhaseCorrelation {
-    /// Adds the charts of a stage.
-    pub(super) fn charted(&self, step: Step, stage: Stage, state: &State) -> Step {
+    pub(super) fn add_charts(&self, step: Step, stage: Stage, state: &State) -> Step {
         let is_correlation =
             matches!(stage, Stage::InverseRows | Stage::Peak | Stage::Second | Stage::Subpixel(_) | Stage::Result);
         let step = step.show(Readout::Tiles(self.tiles(stage, state)));
         let step = step.show_all(is_correlation.then(|| Readout::Surface(surface(stage, state))));
         let result = state.model().matrix.filter(|_| stage == Stage::Result);
-        step.show_all(result.map(|of| Readout::Matrices(vec![matrix("H", "translation", Role::Result, &of)])))
+        step.show_all(
+            result.map(|of| Readout::Matrices(vec![Matrix::of_rows("H", "translation", &of).with_role(Role::Result)])),
+        )
     }
 
     /// The picture of the stage.
@@ -29,7 +29,7 @@ impl PhaseCorrelation {
             let known = values.cells().iter().copied().filter(|value| value.is_finite());
             let range = known.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
             let range = if range[0] < range[1] { range } else { [0.0, 1.0] };
-            Tile { label, role: None, values, range, framed: Vec::new() }
+            Tile::new(label, values, range)
         };
         let magnitude = |of: rustfft::num_complex::Complex<f64>| (1.0 + of.norm()).ln();
         let labels = |i: usize, labels: [&'static str; 2]| labels[i];
@@ -78,15 +78,14 @@ impl PhaseCorrelation {
         let Some(Event { stage, state }) = seen.events.last() else { return };
         let [width, height] = [width, height].map(|c| c as f32);
         if *stage == Stage::Result && state.is_accepted() {
-            scene.mark(
+            scene.draw(
                 Picture::CURRENT,
-                Role::Result,
+                (Role::Result, "translation"),
                 Shape::Flow { origin: [0.0; 2], values: state.model().displacements_of_pixels().0 },
             );
-            scene.legend(Role::Result, "translation");
             return;
         }
-        // Where the window has half its height.
+        // The window reaches half its height here.
         let half = if self.hann { [0.25, 0.75] } else { [0.0, 1.0] };
         let edge = |share: f32| [share * width - 0.5, share * height - 0.5];
         let on = if matches!(stage, Stage::Window(1) | Stage::Rows(1) | Stage::Columns(1)) {
@@ -94,8 +93,11 @@ impl PhaseCorrelation {
         } else {
             Picture::CURRENT
         };
-        scene.mark(on, Role::Window, Shape::Rect { min: edge(half[0]), max: edge(half[1]) });
-        scene.legend(Role::Window, if self.hann { "half height of the Hann window" } else { "window" });
+        scene.draw(
+            on,
+            (Role::Window, if self.hann { "half height of the Hann window" } else { "window" }),
+            Shape::Rect { min: edge(half[0]), max: edge(half[1]) },
+        );
     }
 }
 

@@ -25,7 +25,7 @@ const PURE: f64 = 0.02;
 const ALONG: f64 = 0.5;
 /// A displacement along the edges is compared from this length on, and up to that, in px.
 const ALONG_PX: [i32; 2] = [4, 24];
-/// It lies along them if it leads across them by less, in px.
+/// A displacement lies along the edges if its component across them is smaller, in px.
 const ON_EDGE_PX: f64 = 0.1;
 /// Displacements along the edges fit alike if their residuals differ by less than this share.
 const ALIKE: f64 = 0.1;
@@ -67,7 +67,7 @@ impl Doubt {
         !matches!(self, Self::Repeats { .. })
     }
 
-    /// Compares the highest peak with the pictures. Edges of one direction tell against a rejected peak, too.
+    /// Compares the highest peak with the pictures. Edges of a single direction also count against a rejected peak.
     pub(super) fn of(state: &State) -> Option<Self> {
         let [from, to] = state.fixed.pair.each_ref().map(|frame| frame.luma());
         let at = state.wrapped(state.peak?);
@@ -114,7 +114,7 @@ impl Doubt {
                 .any(|way| way > own + RISE * contrast)
         };
         let goes_on = |other| [-1.0, 2.0].into_iter().filter_map(|part| on_the_way(other, part)).all(is_equal);
-        // Where nothing fits, that another displacement fits as badly tells of no pattern.
+        // If nothing fits, another displacement that fits as badly is no evidence of a repeating pattern.
         let repeats = others.into_iter().filter(|_| own < FITS * contrast);
         let mut repeats = repeats.filter(|(other, residual)| is_far(*other) && is_high(*other) && is_equal(*residual));
         repeats.find(|(other, _)| rises(*other) && goes_on(*other)).map(|(other, _)| Self::Repeats { other })
@@ -143,7 +143,8 @@ fn peaks(state: &State) -> Vec<[i32; 2]> {
     peaks.into_iter().map(|(_, place)| state.wrapped(place)).collect()
 }
 
-/// The pixels that tell of motion: all but those that are the same in both frames and flat, as a border or a caption at rest is.
+/// The pixels informative about motion: all except flat ones that are equal in both frames, such as a border or caption
+/// at rest.
 fn informative_mask([from, to]: [&Gray; 2]) -> Mask {
     let (width, height) = from.size();
     let is_idle = |x: usize, y: usize| {
@@ -152,14 +153,14 @@ fn informative_mask([from, to]: [&Gray; 2]) -> Mask {
         from[(x, y)] == to[(x, y)] && near.all(|place| from[place] == from[(x, y)])
     };
     let idle = Mask::from_fn(width, height, is_idle);
-    // The edge of a border at rest is its own, too.
+    // The edge of a border at rest belongs to the border.
     Mask::from_fn(width, height, |x, y| {
         let around = |at: usize, extent: usize| at.saturating_sub(EDGE_PX)..(at + EDGE_PX + 1).min(extent);
         !around(y, height).any(|v| around(x, width).any(|u| idle.get(u, v)))
     })
 }
 
-/// The pixels of frame t that tell of motion, and the places among them at which pictures are compared.
+/// The informative pixels of frame t, and those among them at which pictures are compared.
 struct Informative {
     mask: Mask,
     places: Vec<(usize, usize)>,
@@ -180,8 +181,8 @@ impl Informative {
         Self { mask, places }
     }
 
-    /// The mean absolute difference in gray levels of two pictures where the one displaced by `by` covers the other, over the places that
-    /// tell of motion in both; `None` where they hardly overlap.
+    /// The mean absolute difference in gray levels of two pictures where the one displaced by `by` covers the other,
+    /// over the places that are informative in both; `None` where they hardly overlap.
     fn residual(&self, [from, to]: [&Gray; 2], [u, v]: [i32; 2]) -> Option<f64> {
         let (mut sum, mut count) = (0_u64, 0_usize);
         for &here in &self.places {
@@ -195,7 +196,7 @@ impl Informative {
     }
 }
 
-/// The mean absolute deviation of the pixels that tell of motion from their mean, in gray levels.
+/// The mean absolute deviation of the informative pixels from their mean, in gray levels.
 fn contrast(picture: &Gray, Informative { places, .. }: &Informative) -> f64 {
     let count = places.len().max(1) as f64;
     let mean = places.iter().map(|place| f64::from(picture[*place])).sum::<f64>() / count;

@@ -9,7 +9,8 @@ use crate::scene::{Name, Role, Step};
 
 /// A peak this many times as high as the second is distinct.
 const DISTINCT: f64 = 2.0;
-/// Above this share of the picture that moves otherwise, one translation explains only a part; up to the other one it explains all.
+/// If a larger share of the picture than the first moves differently, one translation explains only a part; up to the
+/// second it explains all.
 const PART: f64 = 0.1;
 const LITTLE: f64 = 0.01;
 /// A peak of this height has most phases in common.
@@ -20,7 +21,7 @@ impl PhaseCorrelation {
         let Some(Event { stage, state }) = seen.events.last() else {
             return Step::at(line::WINDOW).say(case::OPENING);
         };
-        let at = |line: Name| self.measured(Step::at(line), *stage, state);
+        let at = |line: Name| self.put_peak(Step::at(line), *stage, state);
         let of_frame = |line: Name, i: usize| at(line).put(value::PICTURE, ["frame t", "frame t+1"][i]);
         let step = match *stage {
             Stage::Window(i) => of_frame(line::WINDOW, i)
@@ -42,17 +43,17 @@ impl PhaseCorrelation {
                 true => case::ACCEPTED,
                 false => case::REJECTED,
             }),
-            Stage::Second => compared(at(line::COMPARE_SECOND), state),
+            Stage::Second => tell_truth(at(line::COMPARE_SECOND), state),
             Stage::Subpixel(axis) => {
-                self.refined(at(if axis == 0 { line::REFINE_X } else { line::REFINE_Y }), state, axis)
+                self.tell_refinement(at(if axis == 0 { line::REFINE_X } else { line::REFINE_Y }), state, axis)
             }
-            Stage::Result => concluded(at(line::TAKE_RESULT), state),
+            Stage::Result => conclude(at(line::TAKE_RESULT), state),
         };
-        self.charted(step, *stage, state)
+        self.add_charts(step, *stage, state)
     }
 
     /// Puts the frequencies, the peaks and the displacement so far.
-    fn measured(&self, step: Step, stage: Stage, state: &State) -> Step {
+    fn put_peak(&self, step: Step, stage: Stage, state: &State) -> Step {
         let (width, height) = state.size();
         let step = step.put(value::WIDTH, width).put(value::HEIGHT, height).put(value::MIN_SNR, self.min_snr);
         let mut step = step.fact_as(value::FREQUENCIES.is(width * height), case::SIZE);
@@ -77,7 +78,7 @@ impl PhaseCorrelation {
         step.fact_if(value::TRUE_DISPLACEMENT, truth.and_then(|truth| truth.at(width / 2, height / 2)))
     }
 
-    fn refined(&self, step: Step, state: &State, axis: usize) -> Step {
+    fn tell_refinement(&self, step: Step, state: &State, axis: usize) -> Step {
         let step = step.put(value::AXIS, ["x", "y"][axis]);
         let Some([before, at, behind]) = Self::around(state, axis) else { return step.say(case::NO_NEIGHBOURS) };
         let (side, sign) = larger_side([before, behind]);
@@ -98,20 +99,20 @@ impl PhaseCorrelation {
     }
 }
 
-/// How many times as high as the second the highest peak is.
+/// The ratio of the highest peak to the second.
 fn ratio(state: &State) -> Option<f64> {
     let [best, second] = [state.peak?, state.second?].map(|place| state.height_at(state.wrapped(place)));
     (second > 0.0).then(|| best / second)
 }
 
 /// Compares the highest peak with the second, and with the pictures.
-fn compared(step: Step, state: &State) -> Step {
+fn tell_truth(step: Step, state: &State) -> Step {
     if state.peak.is_none() || state.second.is_none() {
         return step.say(case::NO_SECOND);
     }
     let step = step.put(value::DISTINCT, DISTINCT).say(case::SECOND);
     match (&state.doubt, ratio(state)) {
-        (Some(doubt), _) => doubted(step, doubt),
+        (Some(doubt), _) => tell_doubt(step, doubt),
         (None, Some(ratio)) if ratio < DISTINCT => {
             step.say(case::RATIO_BELOW).say(case::AMBIGUOUS).say(case::POSSIBLE_CAUSES)
         }
@@ -120,8 +121,7 @@ fn compared(step: Step, state: &State) -> Step {
     }
 }
 
-/// Tells the evidence against the highest peak.
-fn doubted(step: Step, doubt: &Doubt) -> Step {
+fn tell_doubt(step: Step, doubt: &Doubt) -> Step {
     match *doubt {
         Doubt::Contradicted { other, residuals: [own, least] } => {
             let step = step.put(value::OTHER, other).put(value::RESIDUAL, own).put(value::OTHER_RESIDUAL, least);
@@ -140,12 +140,12 @@ fn doubted(step: Step, doubt: &Doubt) -> Step {
     }
 }
 
-fn concluded(step: Step, state: &State) -> Step {
+fn conclude(step: Step, state: &State) -> Step {
     if state.peak.is_none() {
         return step.say(case::UNKNOWN).say(case::WITHOUT_TEXTURE);
     }
     if let Some(doubt) = state.doubt.as_ref().filter(|doubt| doubt.is_refuting()) {
-        return doubted(step.say(case::UNKNOWN), doubt).say(match doubt {
+        return tell_doubt(step.say(case::UNKNOWN), doubt).say(match doubt {
             Doubt::Contradicted { .. } => case::ADVISE_OUTLIERS,
             Doubt::Repeats { .. } | Doubt::Aperture { .. } => case::ADVISE_TEXTURE,
         });
@@ -161,19 +161,19 @@ fn concluded(step: Step, state: &State) -> Step {
         None => step,
     };
     match (&state.doubt, ratio(state)) {
-        (Some(doubt), _) => doubted(step, doubt),
+        (Some(doubt), _) => tell_doubt(step, doubt),
         (None, Some(ratio)) if ratio < DISTINCT => {
             let is_high = step.real(value::PEAK_HEIGHT) > AGREEMENT;
             step.say(if is_high { case::BROAD } else { case::LOW })
         }
-        // One peak may be that of most of the picture only.
-        _ => explained(step.say(case::STANDS_OUT), state, error.map(|error| error.beyond[1])),
+        // A single peak may stand for most of the picture only.
+        _ => tell_share(step.say(case::STANDS_OUT), state, error.map(|error| error.beyond[1])),
     }
 }
 
-/// Tells how much of the picture a translation with a distinct peak explains: by the ground truth, of which the share `beyond` moves
-/// otherwise, without it by the pictures.
-fn explained(step: Step, state: &State, beyond: Option<f64>) -> Step {
+/// Tells how much of the picture a translation with a distinct peak explains: by the ground truth, of which the share
+/// `beyond` moves differently, without it by the pictures.
+fn tell_share(step: Step, state: &State, beyond: Option<f64>) -> Step {
     let pair = state.fixed.pair.each_ref().map(|frame| frame.luma());
     let Some(share) = beyond.or_else(|| unexplained::share(pair, state.translation())) else {
         return step.say(case::TOO_LITTLE_IN_COMMON);

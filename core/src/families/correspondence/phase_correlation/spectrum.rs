@@ -33,7 +33,6 @@ pub(super) fn hann(extent: usize) -> Vec<f64> {
     (0..extent).map(|i| 0.5 - 0.5 * angle(i).cos()).collect()
 }
 
-/// The mean gray level.
 pub(super) fn mean(luma: &Gray) -> f64 {
     let sum: u64 = luma.cells().iter().map(|&pixel| u64::from(pixel)).sum();
     sum as f64 / luma.cells().len().max(1) as f64
@@ -42,7 +41,7 @@ pub(super) fn mean(luma: &Gray) -> f64 {
 /// The transforms of all rows.
 pub(super) fn rows(picture: &Spectrum, way: Direction) -> Spectrum {
     let mut transformed = picture.clone();
-    // As many rows as the buffer holds are transformed one after the other.
+    // The plan transforms as many rows as the buffer holds.
     way.plan(picture.width()).process(transformed.cells_mut());
     transformed
 }

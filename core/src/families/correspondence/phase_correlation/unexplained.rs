@@ -1,4 +1,4 @@
-//! The part of the picture that a translation does not explain, by the pictures alone.
+//! The part of the picture that a translation does not explain, judged from the pictures alone.
 
 use crate::geometry::Gray;
 use crate::products::model::{IDENTITY, Matrix3};
@@ -6,12 +6,13 @@ use crate::products::registration::{gray_at, inside};
 
 /// Side of the blocks that are compared, in px.
 const BLOCK: usize = 8;
-/// A block whose residual exceeds the change of its gray levels over this many px, beside noise, moves otherwise or has changed.
+/// A block whose residual exceeds the change of its gray levels over this many px, beside noise, moves differently or
+/// has changed.
 const OFF_PX: f64 = 0.75;
 const NOISE_LEVELS: f64 = 2.0;
 /// The residual must also be this many times that of the blocks that fit well, which have the same noise and exposure.
 const CLEARLY: f64 = 2.5;
-/// That residual is the one which this share of the blocks does not exceed.
+/// The residual of the blocks that fit well is this quantile of all residuals.
 const FITTING: f64 = 0.25;
 
 /// The mean residual of a block and its mean change of gray levels per px.

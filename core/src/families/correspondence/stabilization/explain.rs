@@ -3,21 +3,21 @@
 use super::{Event, Stabilization, Stable, State, line};
 use crate::methods::camera_path::explain::value as path;
 use crate::methods::camera_path::{
-    chain_step, conclude, displacement, draw_link, draw_outline, estimate_step, matrix, outline, path_series,
+    chain_step, conclude, displacement, draw_link, draw_outline, estimate_step, outline, path_series,
 };
 use crate::products::Views;
 use crate::products::model::{IDENTITY, inverse, mapped};
 use crate::products::path::{PathErrors, middle};
 use crate::products::registration::{Window, registered};
 use crate::run::Seen;
-use crate::scene::{Canvas, Name, Picture, Readout, Role, Scene, Step, Unit};
+use crate::scene::{Canvas, Matrix, Name, Picture, Readout, Role, Scene, Step, Unit};
 use crate::{cases, variables};
 
 /// More of the picture empty than this is much.
 const MUCH_EMPTY: f64 = 0.1;
-/// A smaller share of a stabilised frame is not told.
+/// A smaller empty share of a stabilised frame is not mentioned.
 const LEAST_EMPTY: f64 = 5e-4;
-/// A motion with a larger error at the corners is not that of the background, in px.
+/// Error at the corners in px above which a motion is not that of the background.
 const FOREIGN_PX: f64 = 1.0;
 /// A jitter below this share of that before is suppressed well.
 const SUPPRESSED: f64 = 0.5;
@@ -85,7 +85,7 @@ impl Stabilization {
                 let step = self.frame_step(line::WARP, seen, stable).say(case::WARPED);
                 let step = step.say(if stable.empty() < LEAST_EMPTY { case::COVERS } else { case::EMPTY });
                 match seen.after.filter(|after| after.corrections.len() == after.chain.to_frames.len()) {
-                    Some(after) => concluded(step, seen, after),
+                    Some(after) => conclude_run(step, seen, after),
                     None => step,
                 }
             }
@@ -97,8 +97,8 @@ impl Stabilization {
         let (chain, index) = (&seen.before.chain, seen.before.corrections.len());
         let center = mapped(&stable.correction, middle(chain.picture)).unwrap_or([f64::NAN; 2]);
         let matrices = vec![
-            matrix("P", "from the first frame", Role::Measured, &chain.to_frames[index]),
-            matrix("S", "to the stabilised frame", Role::Result, &stable.correction),
+            Matrix::of_rows("P", "from the first frame", &chain.to_frames[index]).with_role(Role::Measured),
+            Matrix::of_rows("S", "to the stabilised frame", &stable.correction).with_role(Role::Result),
         ];
         let corrections = [&seen.before.corrections[..], &[stable.correction]].concat();
         let step = Step::at(line).fact(path::FRAME, chain.span.first + index).fact(value::SMOOTHING, self.smoothing);
@@ -123,8 +123,7 @@ impl Stabilization {
     }
 }
 
-/// The conclusion of the run.
-fn concluded(step: Step, seen: &Seen<Stabilization>, after: &State) -> Step {
+fn conclude_run(step: Step, seen: &Seen<Stabilization>, after: &State) -> Step {
     let PathErrors { before_px, after_px, drift_px, motion_px, residual_px, empty } =
         match after.chain.field(&after.corrections, Views::None).errors(seen.clip) {
             Ok(errors) => errors,

@@ -52,7 +52,6 @@ impl<'a> Shown<'a> {
 }
 
 impl TemplateMatching {
-    /// Adds the charts of a pair.
     pub(super) fn add_charts(&self, step: Step, seen: &Seen<Self>, shown: &Shown) -> Step {
         let tiles = match shown.place {
             Some(place) => tiles(shown.pair, place, shown.role()),
@@ -112,27 +111,20 @@ impl TemplateMatching {
         };
         let x_max = state.span.frames().map_or(state.past.len(), |frames| frames - 1);
         let score = Series {
-            title: "ZNCC at the peak",
-            x_label: "pair",
-            y_label: "ZNCC",
-            x_max,
-            lines: vec![("ZNCC", Role::Best, line(|past| Some(past.zncc)))],
             thresholds: vec![("minimum".into(), self.min_zncc)],
-            ..Series::default()
+            ..Series::new(
+                "ZNCC at the peak",
+                ["pair", "ZNCC"],
+                x_max,
+                vec![("ZNCC", Role::Best, line(|past| Some(past.zncc)))],
+            )
         };
         let lines = [
             ("from the first template", Role::Error, line(|past| past.drift.map(Drift::length))),
             ("from the true position", Role::Truth, line(|past| past.error)),
         ];
         let lines: Vec<_> = lines.into_iter().filter(|(.., points)| !points.is_empty()).collect();
-        let drift = (!lines.is_empty()).then(|| Series {
-            title: "Drift",
-            x_label: "pair",
-            y_label: "distance (px)",
-            x_max,
-            lines,
-            ..Series::default()
-        });
+        let drift = (!lines.is_empty()).then(|| Series::new("Drift", ["pair", "distance (px)"], x_max, lines));
         [Some(score), drift].into_iter().flatten().map(Readout::Series).collect()
     }
 
@@ -141,8 +133,7 @@ impl TemplateMatching {
         let (width, height) = state.template.pixels.size();
         let rectangle = |[x, y]: [i32; 2]| Shape::pixels(x, y, width, height);
         trails::trail(scene, (Role::Estimate, "path of the template"), &state.track, state.frame);
-        scene.mark(Picture::CURRENT, Role::Reference, rectangle(state.at));
-        scene.legend(Role::Reference, "template");
+        scene.draw(Picture::CURRENT, (Role::Reference, "template"), rectangle(state.at));
         let template = Arc::clone(&state.template);
         let canvas = Picture { role: PictureRole::Template, ..Picture::CURRENT };
         scene.pictures = vec![
@@ -153,8 +144,7 @@ impl TemplateMatching {
         let Some(shown) = Shown::of(seen) else { return };
         let (pair, places) = (shown.pair, shown.pair.costs.size());
         let mut mark = |role, meaning, shape| {
-            scene.mark(Picture::NEXT, role, shape);
-            scene.legend(role, meaning);
+            scene.draw(Picture::NEXT, (role, meaning), shape);
         };
         let area = Shape::pixels(pair.origin[0], pair.origin[1], places.0 + width - 1, places.1 + height - 1);
         mark(Role::Window, "search area", area);
@@ -180,7 +170,7 @@ impl TemplateMatching {
 
 pub(super) fn template_tile(template: &Template) -> Tile {
     let values = template.pixels.map(|&pixel| f32::from(pixel));
-    Tile { label: "template", role: Some(Role::Reference), values, range: [0.0, 255.0], framed: Vec::new() }
+    Tile::gray("template", values).with_role(Role::Reference)
 }
 
 /// The template, the window at a place, and their difference.
@@ -193,13 +183,7 @@ fn tiles(pair: &Pair, place: (usize, usize), role: Role) -> Vec<Tile> {
     let values = under.map(|&pixel| f32::from(pixel));
     vec![
         template_tile(&pair.template),
-        Tile { label: "window", role: Some(role), values, range: [0.0, 255.0], framed: Vec::new() },
-        Tile {
-            label: "difference",
-            role: Some(Role::Error),
-            values: difference,
-            range: [-64.0, 64.0],
-            framed: Vec::new(),
-        },
+        Tile::gray("window", values).with_role(role),
+        Tile::new("difference", difference, [-64.0, 64.0]).with_role(Role::Error),
     ]
 }

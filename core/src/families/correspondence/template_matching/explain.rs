@@ -95,7 +95,7 @@ impl TemplateMatching {
         }
     }
 
-    /// Says that the picture border clips the placed rectangle, where it does.
+    /// Says so if the picture border clips the placed rectangle.
     fn tell_clipping(&self, step: Step, template: &Template) -> Step {
         let Some(zone) = self.template else { return step };
         let [wide, high] = [0, 1].map(|i| f64::from(zone.max[i].ceil()) - f64::from(zone.min[i].ceil()));
@@ -181,7 +181,6 @@ impl TemplateMatching {
         })
     }
 
-    /// Adds the conclusion at the end of the run.
     fn conclude(&self, seen: &Seen<Self>, step: Step) -> Step {
         let Some(after) = seen.after.filter(|after| after.is_over) else { return step };
         let (past, tracked) = (&after.past, after.track.points.len().saturating_sub(1));
@@ -207,7 +206,6 @@ impl TemplateMatching {
         })
     }
 
-    /// The score of a place: its formula, and with its numbers.
     fn score_formula(&self, step: Step, pair: &Pair, place: (usize, usize)) -> Step {
         let moments = pair.moments(place);
         let [template_mean, window_mean] = moments.means();

@@ -2,27 +2,22 @@
 
 use super::probe::{Probe, SHADES, number, role_of_run, shows_circle};
 use super::{Fast, Stage};
-use crate::geometry::Grid;
 use crate::methods::differential::explain;
 use crate::methods::features::segment::{CIRCLE, COMPASS, Circle, RADIUS};
 use crate::run::Seen;
 use crate::scene::{Framed, Readout, Role, Series, Step, Tile};
 
 impl Fast {
-    /// Adds the charts of a pixel.
-    pub(super) fn charted(&self, seen: &Seen<Self>, step: Step, Probe { place, circle, .. }: &Probe) -> Step {
+    pub(super) fn add_charts(&self, seen: &Seen<Self>, step: Step, Probe { place, circle, .. }: &Probe) -> Step {
         let state = seen.before;
-        let tile = |label, values: Grid<f32>, range| Tile { label, role: None, values, range, framed: Vec::new() };
-        let mut picture = tile("Frame t", explain::around(state.picture.luma(), *place, RADIUS), [0.0, 255.0]);
+        let mut picture = Tile::gray("Frame t", explain::around(state.picture.luma(), *place, RADIUS));
         if let Some(circle) = circle.as_ref().filter(|_| shows_circle(seen)) {
             picture.framed = framed(circle, state.stage);
         }
         let mut tiles = vec![picture];
-        if state.stage != Stage::Test {
-            let scores = explain::around(&state.scores.map(|score| f32::from(*score)), *place, RADIUS);
-            let most =
-                scores.cells().iter().filter(|score| score.is_finite()).fold(1.0f32, |most, score| most.max(*score));
-            tiles.push(tile("Score V", scores, [0.0, most]));
+        if state.stage != Stage::Response {
+            let scores = explain::around(&state.map.map(|score| f32::from(*score)), *place, RADIUS);
+            tiles.push(Tile::positive("Score V", scores));
         }
         step.show_all(circle.as_ref().map(|circle| Readout::Series(self.series(circle)))).show(Readout::Tiles(tiles))
     }
@@ -43,15 +38,10 @@ impl Fast {
         }
         let t = self.threshold as f32;
         Series {
-            title: "Differences on the circle",
-            x_label: "pixel of the circle",
-            y_label: "gray levels",
-            x_max: 16,
             x_ticks: COMPASS.map(|k| number(k) as f32).to_vec(),
-            lines,
             thresholds: vec![("+t".into(), t), ("−t".into(), -t)],
             is_sweep: true,
-            ..Series::default()
+            ..Series::new("Differences on the circle", ["pixel of the circle", "gray levels"], 16, lines)
         }
     }
 }

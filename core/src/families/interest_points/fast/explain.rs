@@ -17,16 +17,18 @@ impl Fast {
             return self.verdict(seen, &probe);
         }
         let at = |line, role| {
-            let step = self.measured(seen, line, &probe);
+            let step = self.put_pixel(seen, line, &probe);
             if let Some(role) = role { step.put_value(features::PIXEL.is(probe.place).inked(role)) } else { step }
         };
         let step = match (last, &probe.circle) {
-            (Event::Tested(_), Some(circle)) => self.tested(self.measured(seen, self.line_of(circle), &probe), circle),
+            (Event::Tested(_), Some(circle)) => {
+                self.tell_tests(self.put_pixel(seen, self.line_of(circle), &probe), circle)
+            }
             (Event::Compared(_, None), _) => at(line::SUPPRESS, Some(Role::Best)).say(case::MAXIMUM),
             (Event::Compared(_, Some(by)), _) => {
                 let step = at(line::SUPPRESS, Some(Role::Rejected)).put(features::NEIGHBOUR, *by);
-                let is_higher = seen.before.scores[*by] > seen.before.scores[probe.place];
-                let step = step.put(value::OTHER_SCORE, seen.before.scores[*by]).say(case::SUPPRESSED);
+                let is_higher = seen.before.map[*by] > seen.before.map[probe.place];
+                let step = step.put(value::OTHER_SCORE, seen.before.map[*by]).say(case::SUPPRESSED);
                 step.say(if is_higher { case::BY_HIGHER } else { case::BY_EQUAL })
             }
             (Event::Peak(_, None), _) => {
@@ -34,7 +36,7 @@ impl Fast {
                 at(line::KEEP, Some(Role::Result)).put(features::KEPT, count).say(case::KEPT)
             }
             (Event::Peak(peak, Some(near)), _) => {
-                let [score, other] = [peak, near].map(|index| seen.before.score(*index));
+                let [score, other] = [peak, near].map(|index| seen.before.response(*index));
                 let step =
                     at(line::DROP_NEAR, Some(Role::Rejected)).put(features::NEAR_CORNER, seen.before.place(*near));
                 let step = step.put(value::OTHER_SCORE, other).say(case::NEAR);
@@ -45,7 +47,7 @@ impl Fast {
                 at(line::EACH_PEAK, None).put(value::CORNERS, count).put(features::BE, be(count)).say(case::RANKED)
             }
         };
-        self.charted(seen, self.concluded(seen, step), &probe)
+        self.add_charts(seen, self.conclude(seen, step), &probe)
     }
 
     /// Puts the parameters.
@@ -66,12 +68,12 @@ impl Fast {
                 step.say(if all == 0 { case::NO_CIRCLE } else { case::HIGH_SPEED })
             }
             Event::Corners => {
-                let count = corners(&state.scores, state.row).count();
+                let count = corners(&state.map, state.row).count();
                 let said = if count == 0 { case::NO_CORNERS_IN_ROW } else { case::CORNERS_IN_ROW };
                 row(line::EACH_CORNER).fact(value::CORNERS, count).say(said)
             }
             _ => {
-                let has_corners = state.scores.cells().iter().any(|score| *score > 0);
+                let has_corners = state.map.cells().iter().any(|score| *score > 0);
                 let step = self.limits(Step::at(line::EACH_PEAK)).fact(features::LOCAL_MAXIMA, state.peaks.len());
                 let step = step.put(value::HIGHEST_SCORE, self.test().highest_score(state.picture.luma()));
                 step.say(if has_corners { case::NO_MAXIMA } else { case::NO_CORNERS })
@@ -82,15 +84,15 @@ impl Fast {
     /// The number of pixels of a row with a circle, and of those that pass the high-speed test.
     fn passing(&self, state: &State, y: usize) -> (usize, usize) {
         let mut passing: Vec<Candidate> = Vec::new();
-        let mut scores = vec![0; state.scores.width()];
+        let mut scores = vec![0; state.map.width()];
         self.test().row(state.picture.luma(), y, &mut scores, &mut passing);
-        let (width, height) = state.scores.size();
+        let (width, height) = state.map.size();
         let has_circles = (RADIUS..height.saturating_sub(RADIUS)).contains(&y);
         (if has_circles { width.saturating_sub(2 * RADIUS) } else { 0 }, passing.len())
     }
 
-    /// Puts what is known of a pixel, and its score where it is a corner.
-    fn measured(&self, seen: &Seen<Self>, line: Name, Probe { place, circle, .. }: &Probe) -> Step {
+    /// Puts the known values of a pixel, and its score if it is a corner.
+    fn put_pixel(&self, seen: &Seen<Self>, line: Name, Probe { place, circle, .. }: &Probe) -> Step {
         let step = self.limits(Step::at(line)).fact(features::PIXEL, *place);
         let Some(circle) = circle else { return step };
         let (start, length) = circle.run.unwrap_or_default();
@@ -122,8 +124,7 @@ impl Fast {
         }
     }
 
-    /// Explains the tests of a pixel.
-    fn tested(&self, step: Step, circle: &Circle) -> Step {
+    fn tell_tests(&self, step: Step, circle: &Circle) -> Step {
         let role = if circle.arc.is_some() { Role::Best } else { Role::Rejected };
         let step = step.put_value(features::PIXEL.is(circle.center).inked(role));
         if self.line_of(circle) == line::HIGH_SPEED {
@@ -140,43 +141,43 @@ impl Fast {
         }
     }
 
-    /// Adds the conclusion at the end of a run.
-    fn concluded(&self, seen: &Seen<Self>, step: Step) -> Step {
+    fn conclude(&self, seen: &Seen<Self>, step: Step) -> Step {
         let Some(after) = seen.after.filter(|_| seen.before.stage == Stage::Choice) else { return step };
         let (Some(first), Some(last)) = (after.kept.first(), after.kept.last()) else { return step };
-        let found = after.scores.cells().iter().filter(|score| **score > 0).count();
+        let found = after.map.cells().iter().filter(|score| **score > 0).count();
         let step = step.put(features::KEPT, after.kept.len()).put(features::LOCAL_MAXIMA, after.peaks.len());
-        let step = step.put(value::HIGHEST_SCORE, after.score(*first)).put(value::LOWEST_SCORE, after.score(*last));
+        let step =
+            step.put(value::HIGHEST_SCORE, after.response(*first)).put(value::LOWEST_SCORE, after.response(*last));
         let step = step.put(value::FOUND, found);
         let step = step.say(if after.kept.len() == 1 { case::END_WITH_ONE } else { case::END });
         step.say(self.selection.advice(after.kept.len(), after.peaks.len()))
     }
 
-    /// Explains the pixel pointed at, as far as it is known what became of it.
+    /// Explains the pixel pointed at as far as its outcome is known.
     fn verdict(&self, seen: &Seen<Self>, probe: &Probe) -> Step {
         let Some(circle) = &probe.circle else {
-            let step = self.measured(seen, line::EACH_PIXEL, probe);
+            let step = self.put_pixel(seen, line::EACH_PIXEL, probe);
             let step = step.put_value(features::PIXEL.is(probe.place).inked(Role::Rejected)).say(case::OUTSIDE);
-            return self.charted(seen, step, probe);
+            return self.add_charts(seen, step, probe);
         };
         let status = self.status(seen, probe.place).filter(|_| circle.arc.is_some());
         let line = status.as_ref().map_or(self.line_of(circle), |status| status.line);
-        let step = self.tested(self.measured(seen, line, probe), circle);
+        let step = self.tell_tests(self.put_pixel(seen, line, probe), circle);
         let step = match &status {
             Some(status) => {
-                let score = status.by.map_or(0, |by| seen.before.scores[by]);
+                let score = status.by.map_or(0, |by| seen.before.map[by]);
                 status.say(step.put(value::OTHER_SCORE, score))
             }
             None => step,
         };
-        self.charted(seen, step, probe)
+        self.add_charts(seen, step, probe)
     }
 
-    /// Returns what became of a corner after the segment test.
+    /// Returns the outcome for a corner after the segment test.
     fn status(&self, seen: &Seen<Self>, place: (usize, usize)) -> Option<Status> {
         let state = seen.before;
         let is_compared = match state.stage {
-            Stage::Test => false,
+            Stage::Response => false,
             Stage::Suppression => place.1 < state.row,
             Stage::Choice => true,
         };
@@ -184,10 +185,10 @@ impl Fast {
             return None;
         }
         let status = |line, words, case, by| Some(Status { line, words, case, by });
-        if let Some(by) = suppressed_by(&state.scores, place) {
+        if let Some(by) = suppressed_by(&state.map, place) {
             return status(line::SUPPRESS, "suppressed", case::HAS_NEIGHBOUR, Some(by));
         }
-        let index = (place.1 * state.scores.width() + place.0) as u32;
+        let index = (place.1 * state.map.width() + place.0) as u32;
         let choice = seen.events.iter().find_map(|event| match event {
             Event::Peak(peak, near) if *peak == index => Some(*near),
             _ => None,

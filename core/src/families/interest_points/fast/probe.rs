@@ -1,6 +1,7 @@
 //! The inspected pixel of FAST and the shades of its circle.
 
-use super::{Event, Fast, Stage, State};
+use super::{Event, Fast};
+use crate::methods::features::Stage;
 use crate::methods::features::segment::{Candidate, Circle, Shade};
 use crate::run::Seen;
 use crate::scene::Role;
@@ -30,7 +31,7 @@ impl Fast {
             Event::Ranked => state.strongest(),
             Event::Peak(peak, _) => Some(state.place(*peak)),
         });
-        let pointed = seen.point().and_then(|point| state.scores.cell_at(point)).filter(|_| !seen.events.is_empty());
+        let pointed = seen.point().and_then(|point| state.map.cell_at(point)).filter(|_| !seen.events.is_empty());
         let place = pointed.or(at_work)?;
         let circle = Circle::of(state.picture.luma(), place, self.test());
         Some(Probe { place, is_pointed_at: Some(place) != at_work, circle })
@@ -55,17 +56,5 @@ pub(super) fn role_of_run(circle: &Circle, stage: Stage) -> (Role, &'static str)
         Some(_) if stage == Stage::Choice => (Role::Window, "longest run, an arc"),
         Some(_) => (Role::Result, "longest run, an arc"),
         None => (Role::Error, "longest run, too short"),
-    }
-}
-
-impl State {
-    pub(super) fn score(&self, index: u32) -> u8 {
-        self.scores.cells()[index as usize]
-    }
-
-    /// Returns the position of the local maximum of the highest score.
-    fn strongest(&self) -> Option<(usize, usize)> {
-        let better = |a: u32, b: u32| if self.score(b) > self.score(a) { b } else { a };
-        self.peaks.iter().copied().reduce(better).map(|peak| self.place(peak))
     }
 }

@@ -27,10 +27,9 @@ impl Orb {
             (None, Some(probe)) => self.of_keypoint(seen.before, &probe),
             (None, None) => Step::at(line::EACH_LEVEL),
         };
-        self.concluded(seen, step)
+        self.conclude(seen, step)
     }
 
-    /// Explains an event of a level.
     fn of_level(&self, seen: &Seen<Self>, level: &Level, event: &Event) -> Step {
         let line = match event {
             Event::Detected => line::DETECT,
@@ -55,7 +54,7 @@ impl Orb {
             Event::Ranked => level.ranked.first().map(|(place, _)| *place),
             _ => None,
         };
-        let step = place.into_iter().fold(step, |step, place| measured(step, level, place));
+        let step = place.into_iter().fold(step, |step, place| put_corner(step, level, place));
         match (event, level.ranked.first(), level.ranked.last()) {
             (Event::Peak(_, near), ..) => self.chosen(seen, step, (level, *near)),
             (Event::Ranked, Some((_, first)), Some((_, last))) => {
@@ -82,7 +81,6 @@ impl Orb {
         step.put(features::MIN_DISTANCE, self.selection.min_distance).say(case::NEAR)
     }
 
-    /// Explains an event of a keypoint.
     fn of_keypoint(&self, state: &State, probe: &Probe<'_>) -> Step {
         let (corner, Moments { m00, m10, m01 }) = (state.corners[probe.index], probe.moments);
         let line = if probe.bits.is_empty() { line::ORIENT } else { line::COMPARE };
@@ -95,10 +93,9 @@ impl Orb {
         let step = step
             .formula(r"\theta = \text{atan2(}m_{01}, m_{10}\text{)} = \text{atan2(}\sum y\,I, \sum x\,I\text{)}")
             .formula(r"\theta = \text{atan2(}{m_01}, {m_10}\text{)} = {orientation:unit}");
-        let tile = |label, values| Tile { label, role: None, values, range: [0.0, 255.0], framed: Vec::new() };
         let step = step.show(Readout::Tiles(vec![
-            tile("Patch", self.patch_of(probe, [1.0, 0.0])),
-            tile("Patch, upright", self.patch_of(probe, probe.moments.direction())),
+            Tile::gray("Patch", self.patch_of(probe, [1.0, 0.0])),
+            Tile::gray("Patch, upright", self.patch_of(probe, probe.moments.direction())),
         ]));
         let Some((k, bit)) = probe.bits.len().checked_sub(1).map(|k| (k, probe.bits[k])) else {
             return step.say(case::ORIENTED);
@@ -117,8 +114,7 @@ impl Orb {
         }
     }
 
-    /// Adds the conclusion at the end of a run.
-    fn concluded(&self, seen: &Seen<Self>, step: Step) -> Step {
+    fn conclude(&self, seen: &Seen<Self>, step: Step) -> Step {
         let Some(after) = seen.after.filter(|after| after.current() == Some(after.corners.len())) else { return step };
         if after.corners.is_empty() {
             let test = SegmentTest { threshold: self.threshold as u8, arc: self.arc };
@@ -156,11 +152,10 @@ impl Orb {
 }
 
 /// Puts a corner of a level with its response, and shows it.
-fn measured(step: Step, level: &Level, place: u32) -> Step {
+fn put_corner(step: Step, level: &Level, place: u32) -> Step {
     let values = explain::around(&level.of.picture, level.place(place), 4);
-    let tile = Tile { label: "Level", role: None, values, range: [0.0, 255.0], framed: Vec::new() };
     let step = step.fact(features::PIXEL, level.place(place)).fact(features::RESPONSE, level.response(place));
-    step.show(Readout::Series(responses(level))).show(Readout::Tiles(vec![tile]))
+    step.show(Readout::Series(responses(level))).show(Readout::Tiles(vec![Tile::gray("Level", values)]))
 }
 
 /// The responses of a level by rank, and how many of them it may keep.
@@ -174,15 +169,7 @@ fn responses(level: &Level) -> Series {
     if within < shown {
         lines.push(("beyond the share", Role::Rejected, of(within..shown)));
     }
-    Series {
-        title: "Harris response by rank",
-        x_label: "rank",
-        y_label: "R / 1000",
-        x_max: shown,
-        lines,
-        is_sweep: true,
-        ..Series::default()
-    }
+    Series { is_sweep: true, ..Series::new("Harris response by rank", ["rank", "R / 1000"], shown, lines) }
 }
 
 /// The last bits as text, the newest on the right.

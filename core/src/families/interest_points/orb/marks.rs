@@ -22,13 +22,11 @@ impl Orb {
         let (margin, (width, height)) = (self.margin() as f32, level.of.picture.size());
         let edges = [[margin - 0.5; 2], [width as f32 - margin - 0.5, height as f32 - margin - 0.5]];
         let [min, max] = edges.map(|edge| level.of.in_frame(edge));
-        scene.mark(Picture::CURRENT, Role::Window, Shape::Rect { min, max });
-        scene.legend(Role::Window, "area in which the patch fits");
+        scene.draw(Picture::CURRENT, (Role::Window, "area in which the patch fits"), Shape::Rect { min, max });
         let mut points = |role, meaning, places: Vec<u32>| {
             if !places.is_empty() {
                 let place = |place: u32| level.in_frame(place);
-                scene.mark(Picture::CURRENT, role, Shape::Points(places.into_iter().map(place).collect()));
-                scene.legend(role, meaning);
+                scene.draw(Picture::CURRENT, (role, meaning), Shape::Points(places.into_iter().map(place).collect()));
             }
         };
         let tested = |is_kept: bool| {
@@ -48,30 +46,33 @@ impl Orb {
         }
     }
 
-    /// Draws the disc around a pixel of a level.
     fn draw_disc(&self, level: &Level, (x, y): (usize, usize), scene: &mut Scene) {
         let center = level.of.in_frame([x as f32, y as f32]);
         let radii = [(self.radius() as f32 + 0.5) * level.of.scale; 2];
-        scene.mark(Picture::CURRENT, Role::Reference, Shape::Ellipse { center, radii, angle_rad: 0.0 });
-        scene.legend(Role::Reference, "disc of the patch");
+        scene.draw(
+            Picture::CURRENT,
+            (Role::Reference, "disc of the patch"),
+            Shape::Ellipse { center, radii, angle_rad: 0.0 },
+        );
     }
 
     fn draw_keypoint(&self, seen: &Seen<Self>, probe: &Probe<'_>, scene: &mut Scene) {
         let state = seen.before;
         let others: Vec<_> = state.corners[..probe.index].iter().map(|corner| state.at(corner)).collect();
         if !others.is_empty() {
-            scene.mark(Picture::CURRENT, Role::Best, Shape::Points(others));
-            scene.legend(Role::Best, "described keypoint");
+            scene.draw(Picture::CURRENT, (Role::Best, "described keypoint"), Shape::Points(others));
         }
         self.draw_disc(probe.level, probe.place, scene);
         self.draw_pairs(state, probe, scene);
         let [x, y] = probe.moments.direction();
         let reach = self.radius() as f32;
         let points = [[0.0; 2], [reach * x, reach * y]].map(|offset| probe.in_frame(offset)).to_vec();
-        scene.mark(Picture::CURRENT, Role::Result, Shape::Path { points, closed: false });
-        scene.legend(Role::Result, "orientation");
-        scene.mark(Picture::CURRENT, Role::Estimate, Shape::Points(vec![probe.in_frame(probe.moments.centroid())]));
-        scene.legend(Role::Estimate, "intensity centroid");
+        scene.draw(Picture::CURRENT, (Role::Result, "orientation"), Shape::line(points));
+        scene.draw(
+            Picture::CURRENT,
+            (Role::Estimate, "intensity centroid"),
+            Shape::Points(vec![probe.in_frame(probe.moments.centroid())]),
+        );
     }
 
     /// Draws the pairs compared so far, and the two windows of the last one.
@@ -82,8 +83,7 @@ impl Orb {
                 true => (Role::Measured, "bit 1: first window darker"),
                 false => (Role::Rejected, "bit 0"),
             };
-            scene.mark(Picture::CURRENT, role, Shape::Path { points: ends(k).to_vec(), closed: false });
-            scene.legend(role, meaning);
+            scene.draw(Picture::CURRENT, (role, meaning), Shape::line(ends(k).to_vec()));
         }
         let Some(last) = probe.bits.len().checked_sub(1) else { return };
         let half = WINDOW_REACH as f32 + 0.5;
@@ -92,7 +92,6 @@ impl Orb {
             let [min, max] = [-half, half].map(|edge| probe.in_frame([x + edge, y + edge]));
             scene.mark(Picture::CURRENT, Role::Candidate, Shape::Rect { min, max });
         }
-        scene.mark(Picture::CURRENT, Role::Candidate, Shape::Path { points: ends(last).to_vec(), closed: false });
-        scene.legend(Role::Candidate, "windows compared");
+        scene.draw(Picture::CURRENT, (Role::Candidate, "windows compared"), Shape::line(ends(last).to_vec()));
     }
 }

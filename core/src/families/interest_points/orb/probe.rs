@@ -6,7 +6,7 @@ use super::{Event, Level, Orb};
 use crate::methods::features::brief::{Moments, Pair, turned};
 use crate::run::Seen;
 
-/// A keypoint that is described: its level, and what is known of it so far.
+/// The keypoint being described, with its level and its values so far.
 pub(super) struct Probe<'a> {
     pub index: usize,
     pub level: &'a Level,
@@ -34,7 +34,7 @@ impl Probe<'_> {
 }
 
 impl Orb {
-    /// Returns the level at work.
+    /// Returns the current level.
     pub(super) fn level<'a>(&self, seen: &'a Seen<Self>) -> Option<&'a Arc<Level>> {
         seen.events.iter().find_map(|event| match event {
             Event::Resampled(level) => Some(level),
@@ -42,7 +42,7 @@ impl Orb {
         })
     }
 
-    /// Returns the keypoint at work.
+    /// Returns the current keypoint.
     pub(super) fn probe<'a>(&self, seen: &'a Seen<Self>) -> Option<Probe<'a>> {
         let state = seen.before;
         let index = state.current()?;

@@ -18,29 +18,30 @@ const BLOB_RADIUS: f32 = SQRT_2;
 impl Sift {
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
         let state = seen.before;
-        let Some(last) = seen.events.last().copied() else { return self.planned(state) };
+        let Some(last) = seen.events.last().copied() else { return self.tell_dimensions(state) };
         let step = match last {
-            Event::Level(_) => self.blurred(seen),
+            Event::Level(_) => self.tell_blurring(seen),
             Event::Row(_) => match seen.point().and_then(|point| self.pointed_at(state, point)) {
-                Some(around) => around.compared(Step::at(line::IS_EXTREMUM)),
-                None => self.searched(seen, line::EACH_PIXEL).say(case::ROW),
+                Some(around) => around.tell_comparison(Step::at(line::IS_EXTREMUM)),
+                None => self.tell_search(seen, line::EACH_PIXEL).say(case::ROW),
             },
             Event::Extremum(x) => {
                 let at = self.current_row(state).map(|Row { octave, level, y }| Extremum { octave, level, x, y });
-                let (step, around) = (self.searched(seen, line::IS_EXTREMUM), at.and_then(|at| self.around(state, at)));
-                around.into_iter().fold(step, |step, around| around.compared(step))
+                let (step, around) =
+                    (self.tell_search(seen, line::IS_EXTREMUM), at.and_then(|at| self.around(state, at)));
+                around.into_iter().fold(step, |step, around| around.tell_comparison(step))
             }
-            Event::Iteration(iteration) => self.fitted(state, &iteration),
-            Event::Verdict(verdict) => self.judged(seen, verdict),
-            Event::Histogram | Event::Peak(_) => self.oriented(seen, last),
-            Event::Selected => self.selected(state),
-            Event::Cell(_) | Event::Normalised | Event::Clamped => self.described(seen, last),
+            Event::Iteration(iteration) => self.tell_fit(state, &iteration),
+            Event::Verdict(verdict) => self.tell_verdict(seen, verdict),
+            Event::Histogram | Event::Peak(_) => self.tell_orientation(seen, last),
+            Event::Selected => self.tell_selection(state),
+            Event::Cell(_) | Event::Normalised | Event::Clamped => self.tell_description(seen, last),
         };
-        self.concluded(seen, step)
+        self.conclude(seen, step)
     }
 
     /// The dimensions of the scale space.
-    fn planned(&self, state: &State) -> Step {
+    fn tell_dimensions(&self, state: &State) -> Step {
         let (shape, size) = (self.shape(), state.picture.size());
         let (width, height) = shape.size_of(0, size);
         let step = Step::at(line::BUILD_SPACE).fact(value::OCTAVES, shape.octaves_of(size));
@@ -48,8 +49,7 @@ impl Sift {
         step.fact(features::WIDTH, width).fact(features::HEIGHT, height).say(case::OPENING)
     }
 
-    /// Explains a Gaussian image.
-    fn blurred(&self, seen: &Seen<Self>) -> Step {
+    fn tell_blurring(&self, seen: &Seen<Self>) -> Step {
         let (state, shape) = (seen.before, self.shape());
         let (octave, level) = (state.next / shape.levels(), state.next % shape.levels());
         let ((width, height), pixel) = (shape.size_of(octave, state.picture.size()), shape.pixel_px(octave));
@@ -70,8 +70,7 @@ impl Sift {
         step.show_all(self.stack(seen.after.unwrap_or(state)).map(Readout::Stack))
     }
 
-    /// Explains which keypoints are kept.
-    fn selected(&self, state: &State) -> Step {
+    fn tell_selection(&self, state: &State) -> Step {
         let all = state.oriented.len();
         let step = Step::at(line::SELECT).fact(value::EXTREMA, state.extrema.len());
         let step = step.fact(value::AFTER_TESTS, state.refined.len()).fact(value::WITH_ORIENTATIONS, all);
@@ -99,8 +98,7 @@ impl Sift {
         }
     }
 
-    /// Adds the conclusion at the end of a run.
-    fn concluded(&self, seen: &Seen<Self>, step: Step) -> Step {
+    fn conclude(&self, seen: &Seen<Self>, step: Step) -> Step {
         let Some(after) = seen.after.filter(|after| is_over(self, after)) else { return step };
         let kept = &after.oriented;
         let mut sigmas: Vec<f32> = kept.iter().map(|oriented| self.in_frame(&oriented.refined).1).collect();
@@ -115,7 +113,6 @@ impl Sift {
     }
 }
 
-/// Whether the run ends with this state.
 fn is_over(sift: &Sift, after: &State) -> bool {
     after.stage == Stage::Description && after.next >= sift.units_of_stage(after, Stage::Description)
 }
@@ -134,7 +131,7 @@ impl Sift {
 
     fn circle(&self, refined: &Refined) -> Shape {
         let (center, sigma_px) = self.in_frame(refined);
-        Shape::Ellipse { center, radii: [BLOB_RADIUS * sigma_px; 2], angle_rad: 0.0 }
+        Shape::circle(center, BLOB_RADIUS * sigma_px)
     }
 
     fn draw_circles<'a>(&self, on: Picture, all: impl Iterator<Item = &'a Refined>, scene: &mut Scene) {

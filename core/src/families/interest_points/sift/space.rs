@@ -91,7 +91,8 @@ impl Sift {
         scene.pictures.push(Canvas::made(Picture::RESPONSE, make).of(measured));
     }
 
-    /// The part of the octave at work around the pixel pointed at, else around the largest absolute value of its first difference.
+    /// The part of the current octave around the pixel pointed at, else around the largest absolute value of its first
+    /// difference.
     fn detail(&self, seen: &Seen<Self>, state: &State) -> Option<Detail> {
         let (octave, image) = last_of(state)?;
         let pixel_px = self.shape().pixel_px(state.space.octaves.len() - 1);
@@ -108,8 +109,8 @@ impl Sift {
         Some(Detail::around(center, image))
     }
 
-    /// A part of the Gaussian images of the octave at work and of their differences so far: a difference of 0 is middle gray, on one scale
-    /// for all.
+    /// A part of the Gaussian images of the current octave and of their differences so far: a difference of 0 is middle
+    /// gray, on one scale for all.
     pub(super) fn octave_tiles(&self, seen: &Seen<Self>) -> Vec<Tile> {
         let state = seen.after.unwrap_or(seen.before);
         let Some(((octave, _), detail)) = last_of(state).zip(self.detail(seen, state)) else { return Vec::new() };
@@ -119,10 +120,9 @@ impl Sift {
         let most = differences.iter().flat_map(|image| image.cells()).fold(1.0f32, |most, v| most.max(v.abs()));
         // The grays of the sharpest: the others have a smaller range.
         let sharpest = images.first().map_or([0.0, 255.0], range_of);
-        let tile = |label, values, range| Tile { label, role: None, values, range, framed: Vec::new() };
-        let images = IMAGES.into_iter().zip(images).map(|(label, image)| tile(label, image, sharpest));
+        let images = IMAGES.into_iter().zip(images).map(|(label, image)| Tile::new(label, image, sharpest));
         let differences =
-            DIFFERENCES.into_iter().zip(differences).map(|(label, image)| tile(label, image, [-most, most]));
+            DIFFERENCES.into_iter().zip(differences).map(|(label, image)| Tile::new(label, image, [-most, most]));
         images.chain(differences).collect()
     }
 
@@ -140,7 +140,7 @@ impl Sift {
     }
 }
 
-/// The octave at work, with its last Gaussian image.
+/// The current octave, with its last Gaussian image.
 fn last_of(state: &State) -> Option<(&Octave, &Arc<Grid<f32>>)> {
     let octave = state.space.octaves.last()?;
     octave.gaussians.last().map(|image| (octave, image))

@@ -5,8 +5,7 @@ use crate::geometry::Grid;
 use crate::methods::features::haar::{SIDE, dominant, sector_start};
 use crate::scene::{Readout, Role, Series, Step, Tile};
 
-/// Adds the charts of a keypoint.
-pub(super) fn charted(step: Step, of: &Described<'_>) -> Step {
+pub(super) fn add_charts(step: Step, of: &Described<'_>) -> Step {
     if of.subregions.is_empty() {
         return if of.sums.is_empty() { step } else { step.show(Readout::Series(wheel_series(of))) };
     }
@@ -15,7 +14,7 @@ pub(super) fn charted(step: Step, of: &Described<'_>) -> Step {
         let value = |x: usize, y: usize| {
             of.subregions.get(y * SIDE + x).map_or(f32::NAN, |sums| (10.0 * sums[i]).round() / 10.0)
         };
-        Tile { label, role: None, values: Grid::from_fn(SIDE, SIDE, value), range: [-most, most], framed: Vec::new() }
+        Tile::new(label, Grid::from_fn(SIDE, SIDE, value), [-most, most])
     };
     let tiles = ["Σ dx", "Σ dy", "Σ |dx|", "Σ |dy|"].into_iter().enumerate().map(tile).collect();
     step.show(Readout::Series(descriptor_series(of))).show(Readout::Tiles(tiles))
@@ -29,16 +28,16 @@ fn descriptor_series(of: &Described<'_>) -> Series {
     };
     let entries = of.subregions.iter().flatten().map(|sum| sum * scale);
     Series {
-        title: "Descriptor",
-        x_label: "entry, 4 for each subregion",
-        y_label,
-        x_max: 4 * SIDE * SIDE,
         x_ticks: (0..=SIDE).map(|row| (row * 4 * SIDE).max(1) as f32).collect(),
         sections: Series::cells(SIDE, 4),
         columns: Some(SIDE),
-        lines: vec![("entries", Role::Result, Series::bars(entries))],
         is_sweep: true,
-        ..Series::default()
+        ..Series::new(
+            "Descriptor",
+            ["entry, 4 for each subregion", y_label],
+            4 * SIDE * SIDE,
+            vec![("entries", Role::Result, Series::bars(entries))],
+        )
     }
 }
 
@@ -48,12 +47,12 @@ fn wheel_series(of: &Described<'_>) -> Series {
     let points: Vec<[f32; 2]> = of.sums.iter().enumerate().map(point).collect();
     let best = points[dominant(&of.sums).0];
     Series {
-        title: "Sum of the wavelet responses in a sector",
-        x_label: "first direction of the sector, degrees",
-        y_label: "length, gray levels",
-        x_max: 360,
-        lines: vec![("sector of 60°", Role::Candidate, points), ("longest", Role::Result, vec![best])],
         is_sweep: true,
-        ..Series::default()
+        ..Series::new(
+            "Sum of the wavelet responses in a sector",
+            ["first direction of the sector, degrees", "length, gray levels"],
+            360,
+            vec![("sector of 60°", Role::Candidate, points), ("longest", Role::Result, vec![best])],
+        )
     }
 }

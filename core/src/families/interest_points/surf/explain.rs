@@ -1,6 +1,6 @@
 //! The steps of SURF in values, words and formulas.
 
-use super::charts::charted;
+use super::charts::add_charts;
 use super::hessian::{BALANCE, Filter, Layer, determinant};
 use super::probe::{Described, Filtered, Probe, Searched};
 use super::{Event, Maximum, State, Surf, case, features, line, value};
@@ -17,17 +17,16 @@ impl Surf {
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
         let step = match self.probe(seen) {
             None => Step::at(line::EACH_LAYER).say(case::OPENING),
-            Some(Probe::Integral) => summed(seen.before),
-            Some(Probe::Filter(of)) => filtered(seen.before, &of),
-            Some(Probe::Search(of)) => self.searched(seen, &of),
+            Some(Probe::Integral) => tell_sums(seen.before),
+            Some(Probe::Filter(of)) => tell_filter(seen.before, &of),
+            Some(Probe::Search(of)) => self.tell_search(seen, &of),
             Some(Probe::Choice(maxima)) => self.chosen(seen, maxima),
-            Some(Probe::Keypoint(of)) => self.described(seen, &of),
+            Some(Probe::Keypoint(of)) => self.tell_description(seen, &of),
         };
-        self.concluded(seen, step)
+        self.conclude(seen, step)
     }
 
-    /// Explains the search of a layer.
-    fn searched(&self, seen: &Seen<Self>, of: &Searched<'_>) -> Step {
+    fn tell_search(&self, seen: &Seen<Self>, of: &Searched<'_>) -> Step {
         let [below, here, above] = of.layers;
         let at = |line| {
             let step = Step::at(line).fact(value::OCTAVE, of.octave + 1);
@@ -37,8 +36,7 @@ impl Surf {
             let Some(sample) = of.sample else { return step };
             let response = here.responses[sample];
             let tile = |(label, layer): (&'static str, &Layer)| {
-                let values = explain::around(&layer.responses, sample, 1);
-                Tile { label, role: None, values, range: [0.0, response.max(1.0)], framed: Vec::new() }
+                Tile::new(label, explain::around(&layer.responses, sample, 1), [0.0, response.max(1.0)])
             };
             let tiles = ["R, layer below", "R", "R, layer above"].into_iter().zip(of.layers).map(tile).collect();
             let step = step.fact(features::PIXEL, here.pixel(sample)).fact(features::RESPONSE, response);
@@ -104,8 +102,7 @@ impl Surf {
         step.put(value::NEAR_KEYPOINT, blob.at).put(features::OTHER_RESPONSE, refined.response).say(case::NEAR)
     }
 
-    /// Explains the description of a keypoint.
-    fn described(&self, seen: &Seen<Self>, of: &Described<'_>) -> Step {
+    fn tell_description(&self, seen: &Seen<Self>, of: &Described<'_>) -> Step {
         let last = seen.events.last();
         let line = match last {
             Some(Event::Wavelets) => line::WAVELETS,
@@ -126,7 +123,7 @@ impl Surf {
         let step = step.put(value::LONGEST, length(longest));
         let step = step.put(value::LONGEST_START, sector_start(best).to_degrees());
         let step = step.put(value::WAVELET_SIDE, 4.0 * scale).put(value::WHEEL_RADIUS, 6.0 * scale);
-        charted(
+        add_charts(
             match last {
                 Some(Event::Wavelets) => step.say(case::WAVELETS),
                 Some(Event::Sector(sum)) => {
@@ -153,8 +150,7 @@ impl Surf {
         )
     }
 
-    /// Adds the conclusion at the end of a run.
-    fn concluded(&self, seen: &Seen<Self>, step: Step) -> Step {
+    fn conclude(&self, seen: &Seen<Self>, step: Step) -> Step {
         let Some(after) = seen.after.filter(|after| after.is_described()) else { return step };
         let kept = || after.kept().iter().map(|index| &after.maxima[*index]);
         let (Some(first), Some(last)) = (kept().next(), kept().next_back()) else { return step };
@@ -167,7 +163,7 @@ impl Surf {
     }
 }
 
-fn summed(state: &State) -> Step {
+fn tell_sums(state: &State) -> Step {
     let (width, height) = state.picture.size();
     let all: u64 = state.picture.luma().cells().iter().map(|level| u64::from(*level)).sum();
     let step = Step::at(line::INTEGRAL).fact(features::WIDTH, width).fact(features::HEIGHT, height);
@@ -175,8 +171,7 @@ fn summed(state: &State) -> Step {
     step.say(case::SUMMED)
 }
 
-/// Explains a filter at a pixel.
-fn filtered(state: &State, of: &Filtered<'_>) -> Step {
+fn tell_filter(state: &State, of: &Filtered<'_>) -> Step {
     let lines = [line::DERIVE_XX, line::DERIVE_YY, line::DERIVE_XY, line::DETERMINANT];
     let Filter { size } = of.layer.filter;
     let step = Step::at(lines[of.part.min(3)]).fact(value::OCTAVE, of.octave + 1).fact(value::SIDE, size);
@@ -192,11 +187,10 @@ fn filtered(state: &State, of: &Filtered<'_>) -> Step {
     let all = DERIVATIVES.into_iter().zip(derivatives).take(of.part + 1);
     let step = all.fold(step.fact(features::PIXEL, at), |step, (of, derivative)| step.fact(of, derivative));
     let values = explain::around(state.picture.luma(), at, (size / 2).min(5));
-    let tile = Tile { label: "Frame t", role: None, values, range: [0.0, 255.0], framed: Vec::new() };
-    let step = step.show(Readout::Tiles(vec![tile]));
+    let step = step.show(Readout::Tiles(vec![Tile::gray("Frame t", values)]));
     match [case::ALONG_X, case::ALONG_Y, case::ALONG_BOTH].get(of.part) {
         Some(case) => boxes(step.say(case), of, at),
-        None => multiplied(step, derivatives),
+        None => tell_determinant(step, derivatives),
     }
 }
 
@@ -231,8 +225,8 @@ fn boxes(step: Step, of: &Filtered<'_>, at: (usize, usize)) -> Step {
     ))
 }
 
-/// Says what the determinant shows, and writes it.
-fn multiplied(step: Step, derivatives: [f32; 3]) -> Step {
+/// Interprets the determinant and writes its formula.
+fn tell_determinant(step: Step, derivatives: [f32; 3]) -> Step {
     let response = determinant(derivatives);
     let step = step.fact(features::RESPONSE, response).say(case::DETERMINANT).say(match () {
         () if response > 0.0 && derivatives[0] + derivatives[1] < 0.0 => case::IS_BRIGHT,

@@ -50,8 +50,11 @@ fn draw_filter(state: &State, of: &Filtered<'_>, scene: &mut Scene) {
     let at = of.layer.pixel(sample);
     let side = of.layer.filter.size;
     let half = side as i32 / 2;
-    scene.mark(Picture::CURRENT, Role::Window, Shape::pixels(at.0 as i32 - half, at.1 as i32 - half, side, side));
-    scene.legend(Role::Window, "filter of side L");
+    scene.draw(
+        Picture::CURRENT,
+        (Role::Window, "filter of side L"),
+        Shape::pixels(at.0 as i32 - half, at.1 as i32 - half, side, side),
+    );
     if let Some(boxes) = of.layer.filter.boxes(at).get(of.part) {
         for (of_box, weight) in boxes {
             let (role, meaning) = match weight {
@@ -64,8 +67,7 @@ fn draw_filter(state: &State, of: &Filtered<'_>, scene: &mut Scene) {
         }
         draw_corners(boxes, scene);
     }
-    scene.mark(Picture::CURRENT, Role::Reference, Shape::pixels(at.0 as i32, at.1 as i32, 1, 1));
-    scene.legend(Role::Reference, "inspected pixel");
+    scene.draw(Picture::CURRENT, (Role::Reference, "inspected pixel"), Shape::pixels(at.0 as i32, at.1 as i32, 1, 1));
 }
 
 /// Draws the corners of the first box, at which the integral image is read.
@@ -74,8 +76,7 @@ fn draw_corners(boxes: &[Weighted], scene: &mut Scene) {
     let edge = |c: i32| c as f32 - 0.5;
     let corners =
         [[min[0], min[1]], [max[0], min[1]], [min[0], max[1]], [max[0], max[1]]].map(|corner| corner.map(edge));
-    scene.mark(Picture::CURRENT, Role::Result, Shape::Points(corners.to_vec()));
-    scene.legend(Role::Result, "corners read for the first box");
+    scene.draw(Picture::CURRENT, (Role::Result, "corners read for the first box"), Shape::Points(corners.to_vec()));
     for (at, name) in corners.into_iter().zip(["A", "B", "C", "D"]) {
         scene.mark(Picture::CURRENT, Role::Result, Shape::Text { at, text: name.into() });
     }
@@ -89,14 +90,14 @@ fn draw_responses(state: &State, layer: &Layer, scene: &mut Scene) {
     };
     let values = Grid::from_fn(width, height, value);
     if values.cells().iter().any(|value| value.is_finite()) {
-        scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin: [0.0; 2], values });
+        scene.mark(Picture::CURRENT, Role::Candidate, Shape::heat(values));
         scene.heat = Some("√R");
     }
 }
 
 /// The circle of a blob: its radius is that of a disc with the largest response at its scale.
 fn circle(Blob { at, scale }: Blob) -> Shape {
-    Shape::Ellipse { center: at, radii: [scale * std::f32::consts::SQRT_2; 2], angle_rad: 0.0 }
+    Shape::circle(at, scale * std::f32::consts::SQRT_2)
 }
 
 fn draw_search(seen: &Seen<Surf>, of: &Searched<'_>, scene: &mut Scene) {
@@ -118,8 +119,7 @@ fn draw_search(seen: &Seen<Surf>, of: &Searched<'_>, scene: &mut Scene) {
         (Role::Best, "maximum over position and scale", samples(true)),
     ] {
         if !points.is_empty() {
-            scene.mark(Picture::CURRENT, role, Shape::Points(points));
-            scene.legend(role, meaning);
+            scene.draw(Picture::CURRENT, (role, meaning), Shape::Points(points));
         }
     }
     let (width, height) = seen.before.picture.size();
@@ -128,8 +128,11 @@ fn draw_search(seen: &Seen<Surf>, of: &Searched<'_>, scene: &mut Scene) {
         Some(sample) => {
             let (x, y) = here.pixel(sample);
             let half = side as i32 / 2;
-            scene.mark(Picture::CURRENT, Role::Window, Shape::pixels(x as i32 - half, y as i32 - half, side, side));
-            scene.legend(Role::Window, "filter of side L");
+            scene.draw(
+                Picture::CURRENT,
+                (Role::Window, "filter of side L"),
+                Shape::pixels(x as i32 - half, y as i32 - half, side, side),
+            );
         }
         None => {
             draw_box(scene, PixelBox::new([0, 0], [width as i32, height as i32]), Role::Window);
@@ -156,17 +159,14 @@ fn draw_choice(seen: &Seen<Surf>, maxima: &[Maximum], scene: &mut Scene) {
     ] {
         let points: Vec<_> = of_status(status).map(|blob| blob.at).collect();
         if !points.is_empty() {
-            scene.mark(Picture::CURRENT, role, Shape::Points(points));
-            scene.legend(role, meaning);
+            scene.draw(Picture::CURRENT, (role, meaning), Shape::Points(points));
         }
     }
     for blob in of_status(Some(true)) {
-        scene.mark(Picture::CURRENT, Role::Result, circle(blob));
-        scene.legend(Role::Result, "keypoint, radius √2 s");
+        scene.draw(Picture::CURRENT, (Role::Result, "keypoint, radius √2 s"), circle(blob));
     }
     if let Some(Event::Peak(index, _)) = seen.events.last() {
-        scene.mark(Picture::CURRENT, Role::Reference, circle(maxima[*index].blob));
-        scene.legend(Role::Reference, "maximum of this step");
+        scene.draw(Picture::CURRENT, (Role::Reference, "maximum of this step"), circle(maxima[*index].blob));
     }
     if maxima.is_empty() {
         let (width, height) = seen.before.picture.size();
@@ -180,19 +180,16 @@ fn draw_keypoint(seen: &Seen<Surf>, of: &Described<'_>, scene: &mut Scene) {
     let others: Vec<_> =
         (0..of.index).filter_map(|index| state.keypoint(index)).map(|maximum| maximum.blob.at).collect();
     if !others.is_empty() {
-        scene.mark(Picture::CURRENT, Role::Best, Shape::Points(others));
-        scene.legend(Role::Best, "described keypoint");
+        scene.draw(Picture::CURRENT, (Role::Best, "described keypoint"), Shape::Points(others));
     }
-    scene.mark(Picture::CURRENT, Role::Reference, circle(blob));
-    scene.legend(Role::Reference, "keypoint, radius √2 s");
+    scene.draw(Picture::CURRENT, (Role::Reference, "keypoint, radius √2 s"), circle(blob));
     match of.angle_rad {
         None => draw_wheel(of, scene),
         Some(angle_rad) => {
             draw_subregions(of, angle_rad, scene);
             let reach = 10.0 * blob.scale;
             let tip = [blob.at[0] + reach * angle_rad.cos(), blob.at[1] + reach * angle_rad.sin()];
-            scene.mark(Picture::CURRENT, Role::Result, Shape::Path { points: vec![blob.at, tip], closed: false });
-            scene.legend(Role::Result, "orientation");
+            scene.draw(Picture::CURRENT, (Role::Result, "orientation"), Shape::line(vec![blob.at, tip]));
         }
     }
 }
@@ -201,14 +198,12 @@ fn draw_keypoint(seen: &Seen<Surf>, of: &Described<'_>, scene: &mut Scene) {
 fn draw_wheel(of: &Described<'_>, scene: &mut Scene) {
     let Blob { at: [x, y], scale } = of.maximum.blob;
     let radius = WHEEL_REACH as f32 * scale;
-    scene.mark(Picture::CURRENT, Role::Window, Shape::Ellipse { center: [x, y], radii: [radius; 2], angle_rad: 0.0 });
-    scene.legend(Role::Window, "samples within 6 s");
+    scene.draw(Picture::CURRENT, (Role::Window, "samples within 6 s"), Shape::circle([x, y], radius));
     let Some(k) = of.sums.len().checked_sub(1) else { return };
     let on_circle = |angle_rad: f32| [x + radius * angle_rad.cos(), y + radius * angle_rad.sin()];
     let arc = (0..=12).map(|i| on_circle(sector_start(k) + SECTOR_RAD * i as f32 / 12.0));
     let points = [[x, y]].into_iter().chain(arc).collect();
-    scene.mark(Picture::CURRENT, Role::Candidate, Shape::Path { points, closed: true });
-    scene.legend(Role::Candidate, "sector of 60°");
+    scene.draw(Picture::CURRENT, (Role::Candidate, "sector of 60°"), Shape::outline(points));
     let longest = of.sums.iter().map(|[x, y]| x.hypot(*y)).fold(0.0, f32::max);
     if longest > 0.0 {
         let tip = |[dx, dy]: [f32; 2]| [x + radius * dx / longest, y + radius * dy / longest];
@@ -216,8 +211,7 @@ fn draw_wheel(of: &Described<'_>, scene: &mut Scene) {
         for (role, meaning, sum) in
             [(Role::Measured, "sum of the sector", of.sums[k]), (Role::Estimate, "longest sum", best)]
         {
-            scene.mark(Picture::CURRENT, role, Shape::Path { points: vec![[x, y], tip(sum)], closed: false });
-            scene.legend(role, meaning);
+            scene.draw(Picture::CURRENT, (role, meaning), Shape::line(vec![[x, y], tip(sum)]));
         }
     }
 }
@@ -235,12 +229,15 @@ fn draw_subregions(of: &Described<'_>, angle_rad: f32, scene: &mut Scene) {
         let middle = [0, 1].map(|axis| (points[0][axis] + points[2][axis]) / 2.0);
         let is_current = of.subregions.len() == k + 1 && of.length.is_none();
         let role = if is_current { Role::Candidate } else { Role::Window };
-        scene.mark(Picture::CURRENT, role, Shape::Path { points, closed: true });
+        scene.mark(Picture::CURRENT, role, Shape::outline(points));
         let Some([dx, dy, ..]) = of.subregions.get(k).filter(|_| longest > 0.0) else { continue };
         let [u, v] = [dx, dy].map(|sum| sum * 2.5 * blob.scale / longest);
         let tip = [middle[0] + cos * u - sin * v, middle[1] + sin * u + cos * v];
-        scene.mark(Picture::CURRENT, Role::Measured, Shape::Path { points: vec![middle, tip], closed: false });
-        scene.legend(Role::Measured, "sums Σ dx, Σ dy of a subregion");
+        scene.draw(
+            Picture::CURRENT,
+            (Role::Measured, "sums Σ dx, Σ dy of a subregion"),
+            Shape::line(vec![middle, tip]),
+        );
     }
     scene.legend(Role::Window, "subregions of 5 s");
 }

@@ -1,4 +1,4 @@
-//! The unit of SURF at work, with what an explanation needs of it.
+//! The current unit of SURF, with the data that its explanation needs.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use super::{Event, MIDDLE, Maximum, Part, Surf};
 use crate::methods::features::integral::Integral;
 use crate::run::Seen;
 
-/// The unit at work with what an explanation needs of it.
+/// The current unit, with the data that its explanation needs.
 pub(super) enum Probe<'a> {
     Integral,
     Filter(Filtered<'a>),
@@ -78,7 +78,7 @@ impl Surf {
     }
 }
 
-/// The keypoint at work as far as its events tell.
+/// The current keypoint as known from its events.
 fn described<'a>(seen: &Seen<Surf>, index: usize, maximum: &'a Maximum) -> Described<'a> {
     let mut of = Described { index, maximum, sums: Vec::new(), angle_rad: None, subregions: Vec::new(), length: None };
     for event in seen.events {

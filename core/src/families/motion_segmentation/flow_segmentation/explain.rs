@@ -6,7 +6,7 @@ use super::{Absorbed, Comparison, Data, Event, FlowSegmentation, Growth, PARTS, 
 use crate::geometry::Grid;
 use crate::methods::differential::field;
 use crate::methods::segmentation::explain::{
-    case as shared_case, concluded, draw_labels, draw_segments, plane, value as shared,
+    case as shared_case, conclude, draw_labels, draw_segments, plane, value as shared,
 };
 use crate::methods::segmentation::forest::Forest;
 use crate::methods::segmentation::{Place, Points, SegmentationRun};
@@ -81,7 +81,7 @@ cases! { pub(super) over value, shared;
     CONNECTED: "Regions are connected, so parts of one object on both sides of another are two segments.",
 }
 
-/// The frame's flow and edges, where they are there.
+/// The frame's flow and edges, once they are computed.
 fn data<'a>(seen: &'a Seen<SegmentationRun<FlowSegmentation>>) -> Option<&'a Arc<Data>> {
     let new = seen.events.iter().find_map(|event| match event {
         Event::Flow(data) => Some(data),
@@ -112,9 +112,9 @@ fn pixel_of(data: &Data, pixel: usize) -> (usize, usize) {
 }
 
 impl FlowSegmentation {
-    pub(super) fn explained_step(&self, seen: &Seen<SegmentationRun<Self>>) -> Step {
+    pub(super) fn explain_step(&self, seen: &Seen<SegmentationRun<Self>>) -> Step {
         let Some(event) = seen.events.last() else { return Step::at(line::EACH_FRAME).say(case::OPENING) };
-        let (step, data) = (self.told(seen, event), data(seen));
+        let (step, data) = (self.tell_event(seen, event), data(seen));
         let point = data.and_then(|data| {
             let (x, y) = data.flow.0.cell_at(seen.point()?)?;
             Some(((x, y), data.flow.at(x, y)?))
@@ -124,7 +124,7 @@ impl FlowSegmentation {
         step.show_all(data.map(|data| displacements(seen, data, point.map(|(_, uv)| uv)))).show_all(self.plot(seen))
     }
 
-    fn told(&self, seen: &Seen<SegmentationRun<Self>>, event: &Event) -> Step {
+    fn tell_event(&self, seen: &Seen<SegmentationRun<Self>>, event: &Event) -> Step {
         let t = seen.before.record.frame();
         let at = |line: Name| Step::at(line).fact(shared::FRAME, t);
         let edges = data(seen).map_or(0, |data| data.edges.len());
@@ -134,7 +134,7 @@ impl FlowSegmentation {
                 step.put(shared::NEXT_FRAME, t + 1).say(shared_case::FLOW)
             }
             Event::Sorted(count) => at(line::SORT).fact(value::EDGES, *count).say(case::SORTED),
-            Event::Merged(part, _) => self.merged(at(line::MERGE), part),
+            Event::Merged(part, _) => self.tell_merges(at(line::MERGE), part),
             Event::Grown(region) => {
                 let seed = data(seen).map_or((0, 0), |data| pixel_of(data, region.seed));
                 let step = at(line::GROW).fact(value::AREA, region.pixels.len()).put(value::SEED, seed);
@@ -146,13 +146,13 @@ impl FlowSegmentation {
                 step.put(value::MIN_AREA, self.min_area).say(case::ABSORBED)
             }
             Event::Labelled(frame) => {
-                concluded(at(line::LABEL).say(case::LABELLED), seen.clip, t, frame).say(case::CONNECTED)
+                conclude(at(line::LABEL).say(case::LABELLED), seen.clip, t, frame).say(case::CONNECTED)
             }
         }
     }
 
-    /// Tells what a part of the edges comes to, with the largest refusal or else the largest merge in numbers.
-    fn merged(&self, step: Step, part: &Part) -> Step {
+    /// Tells the result of a part of the edges, with the numbers of the largest refusal, or else of the largest merge.
+    fn tell_merges(&self, step: Step, part: &Part) -> Step {
         let step = step.fact(value::MERGES, part.merged).fact(value::REFUSALS, part.refused);
         let step = step.fact(value::REGIONS, part.regions).put(value::UP_TO, part.up_to).say(case::MERGED);
         let (Comparison { weight, areas, limits }, role, sign, said) = match (&part.refusal, &part.merge) {
@@ -188,18 +188,13 @@ impl FlowSegmentation {
         };
         let lines = vec![(title, Role::Result, points)];
         Some(Readout::Series(Series {
-            title,
-            x_label,
-            y_label,
-            x_max,
-            lines,
             is_logarithmic: true,
             decimals: Some(0),
-            ..Series::default()
+            ..Series::new(title, [x_label, y_label], x_max, lines)
         }))
     }
 
-    pub(super) fn drawn_step(&self, seen: &Seen<SegmentationRun<Self>>, scene: &mut Scene) {
+    pub(super) fn draw_marks(&self, seen: &Seen<SegmentationRun<Self>>, scene: &mut Scene) {
         let Some((event, data)) = seen.events.last().zip(data(seen)) else { return };
         match event {
             Event::Flow(_) => field::draw(data.flow.0.clone(), scene),
@@ -246,7 +241,7 @@ fn draw_jumps(scene: &mut Scene, data: &Data) {
         let at = pixel_of(data, edge.ends[0] as usize);
         values[at] = values[at].max(edge.weight);
     }
-    scene.mark(Picture::CURRENT, Role::Measured, Shape::Heat { origin: [0.0; 2], values });
+    scene.mark(Picture::CURRENT, Role::Measured, Shape::heat(values));
     scene.heat = Some("|Δw|");
     scene.legend(Role::Measured, "difference from the neighbours in px/frame");
 }

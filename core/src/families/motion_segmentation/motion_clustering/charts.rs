@@ -48,14 +48,9 @@ impl MotionClustering {
         };
         if !points.is_empty() {
             all.push(Readout::Series(Series {
-                title,
-                x_label,
-                y_label: title,
-                x_max: points.len(),
-                lines: vec![(title, role, points)],
                 fits_values: self.method == Method::GaussianMixture,
                 decimals: Some(if self.method == Method::GaussianMixture { 4 } else { 3 }),
-                ..Series::default()
+                ..Series::new(title, [x_label, title], points.len(), vec![(title, role, points)])
             }));
         }
         let trials = match (view.seen.events.last(), view.data) {
@@ -77,15 +72,10 @@ fn elbow(trials: &[Trial], chosen: usize) -> Vec<Readout> {
         let points: Vec<[f32; 2]> = points.collect();
         (points.len() > 1).then(|| {
             Readout::Series(Series {
-                title,
-                x_label: "clusters",
-                y_label: title,
-                x_max: trials.len(),
                 is_sweep: true,
                 chosen: Some(chosen as f32).filter(|chosen| points.iter().any(|[k, _]| k == chosen)),
-                lines: vec![(title, role, points)],
                 decimals: Some(3),
-                ..Series::default()
+                ..Series::new(title, ["clusters", title], trials.len(), vec![(title, role, points)])
             })
         })
     };

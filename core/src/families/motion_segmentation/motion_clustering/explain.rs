@@ -3,26 +3,25 @@
 use super::view::View;
 use super::vocabulary::{case, value};
 use super::{Data, Event, Features, LEAST_RISE, Method, MotionClustering, has_converged, line};
-use crate::methods::segmentation::explain::{case as shared_case, concluded, value as shared};
+use crate::methods::segmentation::explain::{case as shared_case, conclude, value as shared};
 use crate::methods::segmentation::{SegmentationRun, mixture::responsibilities, shift::LEAST_SHARE, squared_distance};
 use crate::run::Seen;
 use crate::scene::{Case, Name, Number, Role, Step, Value};
 
-/// The pixel of a point.
 fn pixel_of(data: &Data, point: usize) -> (usize, usize) {
     let (index, width) = (data.pixels[point] as usize, data.flow.0.width());
     (index % width, index / width)
 }
 
 impl MotionClustering {
-    pub(super) fn explained_step(&self, seen: &Seen<SegmentationRun<Self>>) -> Step {
+    pub(super) fn explain_step(&self, seen: &Seen<SegmentationRun<Self>>) -> Step {
         let view = View::new(self, seen);
         let Some(event) = seen.events.last() else { return Step::at(line::EACH_FRAME).say(case::OPENING) };
-        let step = self.inspected(self.told(&view, event), &view);
+        let step = self.tell_pixel(self.tell_event(&view, event), &view);
         step.show_all(self.plane(&view)).show_all(self.plots(&view))
     }
 
-    fn told(&self, view: &View, event: &Event) -> Step {
+    fn tell_event(&self, view: &View, event: &Event) -> Step {
         let t = view.seen.before.record.frame();
         let at = |line: Name| {
             let step = Step::at(line).fact(shared::FRAME, t);
@@ -61,13 +60,15 @@ impl MotionClustering {
                 let step = at(line::SAMPLE).put(value::SAMPLE, density.len());
                 step.put(value::STARTS, density.starts.len()).say(case::SAMPLED)
             }
-            Event::Assigned(_, changed, within) => self.assigned(at(line::ASSIGN), view, (*changed, *within)),
+            Event::Assigned(_, changed, within) => self.tell_assignment(at(line::ASSIGN), view, (*changed, *within)),
             Event::Averaged { index, count: 0, .. } => numbered(line::UPDATE_MEAN, *index).say(case::EMPTY),
             Event::Averaged { index, from, to, count } => {
                 let step = numbered(line::UPDATE_MEAN, *index).put(value::MEAN_BEFORE, view.displacement(from));
                 step.put(value::MEAN, view.displacement(to)).put(value::SIZE, *count).say(case::AVERAGED)
             }
-            Event::Expected(_, changed, likelihood) => expected(at(line::EXPECT), view, (*changed, *likelihood)),
+            Event::Expected(_, changed, likelihood) => {
+                tell_expectation(at(line::EXPECT), view, (*changed, *likelihood))
+            }
             Event::Maximized(index, component) => {
                 let first = self.first_displacement();
                 let deviations = [first, first + 1].map(|i| component.covariance[i][i].sqrt());
@@ -90,7 +91,7 @@ impl MotionClustering {
             }
             Event::Labelled(frame) => {
                 let step = Step::at(line::LABEL).fact(shared::FRAME, t).put(value::BANDWIDTH, self.bandwidth);
-                let step = concluded(step.say(case::LABELLED), view.seen.clip, t, frame);
+                let step = conclude(step.say(case::LABELLED), view.seen.clip, t, frame);
                 match frame.segments.len() {
                     0 => step,
                     segments => step.say(self.hint(view, segments)),
@@ -99,7 +100,7 @@ impl MotionClustering {
         }
     }
 
-    fn assigned(&self, step: Step, view: &View, (changed, within): (usize, f64)) -> Step {
+    fn tell_assignment(&self, step: Step, view: &View, (changed, within): (usize, f64)) -> Step {
         let round = view.seen.before.progress.len() + 1;
         let step = step.fact(value::CHANGES, changed).fact(value::WITHIN, within).put(value::ITERATION, round);
         let step = step.say(if round == 1 { case::FIRST_ITERATION } else { case::ITERATION }).say(case::ASSIGNED);
@@ -109,7 +110,7 @@ impl MotionClustering {
         }
     }
 
-    /// What the number of segments suggests for the next run.
+    /// Advice for the next run, from the number of segments.
     fn hint(&self, view: &View, segments: usize) -> &'static Case {
         match self.method {
             Method::MeanShift => case::BY_BANDWIDTH,
@@ -121,7 +122,7 @@ impl MotionClustering {
     }
 
     /// Adds how the pixel pointed at is assigned.
-    fn inspected(&self, step: Step, view: &View) -> Step {
+    fn tell_pixel(&self, step: Step, view: &View) -> Step {
         /// Clusters with a line of their own.
         const LINES: usize = 6;
         let Some((point, data)) = view.point() else { return step };
@@ -147,7 +148,7 @@ impl MotionClustering {
     }
 }
 
-fn expected(step: Step, view: &View, (changed, likelihood): (usize, f64)) -> Step {
+fn tell_expectation(step: Step, view: &View, (changed, likelihood): (usize, f64)) -> Step {
     let before = view.seen.before.progress.last();
     let step = step.fact(value::CHANGES, changed).fact(value::LIKELIHOOD, likelihood).put(value::TOLERANCE, LEAST_RISE);
     let step = match before {

@@ -10,7 +10,7 @@ use crate::run::Seen;
 use crate::scene::{Picture, Role, Scene, Shape};
 
 impl MotionClustering {
-    pub(super) fn drawn_step(&self, seen: &Seen<SegmentationRun<Self>>, scene: &mut Scene) {
+    pub(super) fn draw_marks(&self, seen: &Seen<SegmentationRun<Self>>, scene: &mut Scene) {
         let view = View::new(self, seen);
         let Some((event, data)) = seen.events.last().zip(view.data) else { return };
         let points = |scene: &mut Scene, role, meaning, indices: &mut dyn Iterator<Item = usize>| {
@@ -19,8 +19,7 @@ impl MotionClustering {
                 let index = data.pixels[point] as usize;
                 [(index % width) as f32, (index / width) as f32]
             };
-            scene.mark(Picture::CURRENT, role, Shape::Points(indices.map(place).collect()));
-            scene.legend(role, meaning);
+            scene.draw(Picture::CURRENT, (role, meaning), Shape::Points(indices.map(place).collect()));
         };
         match event {
             Event::Flow(_) | Event::Compared(..) | Event::Exhausted(_) => {

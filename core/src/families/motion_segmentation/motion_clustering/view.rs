@@ -41,7 +41,6 @@ impl<'a> View<'a> {
         view
     }
 
-    /// Brings it up to an event.
     fn follow(&mut self, event: &'a Event) {
         match event {
             Event::Flow(data) => self.data = Some(data),
@@ -72,13 +71,11 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The displacement of a place.
     pub(super) fn displacement(&self, place: &Place) -> [f32; 2] {
         let first = self.by.first_displacement();
         [place[first], place[first + 1]]
     }
 
-    /// The point of the pixel that is pointed at.
     pub(super) fn point(&self) -> Option<(usize, &'a Arc<Data>)> {
         let data = self.data?;
         let pixel = data.flow.0.cell_at(self.seen.point()?)?;

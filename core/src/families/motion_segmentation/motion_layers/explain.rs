@@ -8,7 +8,7 @@ use crate::data::Flow;
 use crate::geometry::Grid;
 use crate::methods::segmentation::affine::Frame;
 use crate::methods::segmentation::explain::{
-    case as shared_case, concluded, draw_flow, draw_labels, draw_segments, plane, value as shared,
+    case as shared_case, conclude, draw_flow, draw_labels, draw_segments, plane, value as shared,
 };
 use crate::methods::segmentation::{Place, Points, SegmentationRun};
 use crate::products::AffineMotion;
@@ -41,7 +41,6 @@ impl<'a> View<'a> {
         view
     }
 
-    /// Brings it up to an event.
     fn follow(&mut self, event: &'a Event) {
         match event {
             Event::Flow(flow) => self.flow = Some(flow),
@@ -95,10 +94,10 @@ impl<'a> View<'a> {
 }
 
 impl MotionLayers {
-    pub(super) fn explained_step(&self, seen: &Seen<SegmentationRun<Self>>) -> Step {
+    pub(super) fn explain_step(&self, seen: &Seen<SegmentationRun<Self>>) -> Step {
         let view = View::new(seen);
         let Some(event) = seen.events.last() else { return Step::at(line::EACH_FRAME).say(case::OPENING) };
-        let step = self.told(&view, event);
+        let step = self.tell_event(&view, event);
         let step = match view.point() {
             Some((pixel, uv)) => residuals(step, &view, pixel, uv),
             None => motions(step, &view),
@@ -106,7 +105,7 @@ impl MotionLayers {
         step.show_all(displacements(&view)).show_all(plots(&view))
     }
 
-    fn told(&self, view: &View, event: &Event) -> Step {
+    fn tell_event(&self, view: &View, event: &Event) -> Step {
         let t = view.seen.before.record.frame();
         let at = |line: Name| Step::at(line).fact(shared::FRAME, t);
         let blocks = |line: Name| {
@@ -124,7 +123,7 @@ impl MotionLayers {
                 let step = blocks(line::FIND_FLOW).put(shared::METHOD, self.input.name());
                 step.put(shared::NEXT_FRAME, t + 1).say(shared_case::FLOW).say(case::HYPOTHESES)
             }
-            Event::Fitted(block) => self.fitted(blocks(line::FIT_BLOCK), view, block),
+            Event::Fitted(block) => self.tell_fit(blocks(line::FIT_BLOCK), view, block),
             Event::Clustered(found) => {
                 let step = layers(line::CLUSTER).put(value::CLUSTERS, found.means.len());
                 step.put(value::HYPOTHESES, hypotheses(&view.seen.before.blocks).len()).say(case::CLUSTERED)
@@ -144,15 +143,15 @@ impl MotionLayers {
             Event::Split { index, layer: of, .. } => {
                 layer(line::SPLIT, *index).put(value::SPLIT, of.moments.count).say(case::SPLIT)
             }
-            Event::Refitted { index, from, layer: of } => refitted(layer(line::REFIT, *index), view, (from, of)),
+            Event::Refitted { index, from, layer: of } => tell_refit(layer(line::REFIT, *index), view, (from, of)),
             Event::Labelled(frame) => {
                 let step = at(line::LABEL).put(value::ITERATIONS, view.notes.len().saturating_sub(1));
-                concluded(step.say(case::LABELLED), view.seen.clip, t, frame)
+                conclude(step.say(case::LABELLED), view.seen.clip, t, frame)
             }
         }
     }
 
-    fn fitted(&self, step: Step, view: &View, block: &Block) -> Step {
+    fn tell_fit(&self, step: Step, view: &View, block: &Block) -> Step {
         let (x, y) = block.at;
         let center = (x + block.size.0 / 2, y + block.size.1 / 2);
         let step = step.put(value::BLOCK, block.at).put(value::RESIDUAL, block.residual);
@@ -161,7 +160,7 @@ impl MotionLayers {
         step.say(if block.is_kept { case::HYPOTHESIS } else { case::ACROSS })
     }
 
-    pub(super) fn drawn_step(&self, seen: &Seen<SegmentationRun<Self>>, scene: &mut Scene) {
+    pub(super) fn draw_marks(&self, seen: &Seen<SegmentationRun<Self>>, scene: &mut Scene) {
         let view = View::new(seen);
         match seen.events.last() {
             None => {}
@@ -177,8 +176,7 @@ impl MotionLayers {
 fn draw_blocks(scene: &mut Scene, blocks: &[Block], now: Option<&Block>) {
     let mut mark = |role, block: &Block, meaning| {
         let shape = Shape::pixels(block.at.0 as i32, block.at.1 as i32, block.size.0, block.size.1);
-        scene.mark(Picture::CURRENT, role, shape);
-        scene.legend(role, meaning);
+        scene.draw(Picture::CURRENT, (role, meaning), shape);
     };
     for block in blocks {
         match block.is_kept {
@@ -191,7 +189,7 @@ fn draw_blocks(scene: &mut Scene, blocks: &[Block], now: Option<&Block>) {
     }
 }
 
-fn refitted(step: Step, view: &View, (from, layer): (&Place, &Layer)) -> Step {
+fn tell_refit(step: Step, view: &View, (from, layer): (&Place, &Layer)) -> Step {
     if layer.moments.count == 0 {
         return step.say(case::EMPTY);
     }
@@ -262,13 +260,8 @@ fn plots(view: &View) -> Vec<Readout> {
         let x_max = points.len();
         let lines = vec![(title, role, points)];
         Readout::Series(Series {
-            title,
-            x_label: "assignment",
-            y_label,
-            x_max,
-            lines,
             decimals: Some(decimals),
-            ..Series::default()
+            ..Series::new(title, ["assignment", y_label], x_max, lines)
         })
     };
     if view.notes.is_empty() {

@@ -1,9 +1,9 @@
-//! What trajectory clustering tells and draws.
+//! The explanation and the drawing of trajectory clustering.
 
 use std::collections::BTreeSet;
 
 use super::{Choice, Compared, EIGENVALUES, Event, TrajectoryClustering, line};
-use crate::methods::segmentation::explain::{concluded, draw_segments, value as shared};
+use crate::methods::segmentation::explain::{conclude, draw_segments, value as shared};
 use crate::methods::segmentation::spectral::Spectrum;
 use crate::products::Track;
 use crate::run::Seen;
@@ -65,26 +65,26 @@ cases! { pub(super) over value, shared;
 const ALIKE: f32 = 0.5;
 
 impl TrajectoryClustering {
-    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explain_step(&self, seen: &Seen<Self>) -> Step {
         match seen.events.last() {
             None => Step::at(line::TRACK).say(case::OPENING),
-            Some(Event::Tracked(compared)) => self.told_tracks(seen, compared),
-            Some(Event::Compared(index, weights)) => told_affinity(seen, *index as usize, weights),
+            Some(Event::Tracked(compared)) => self.tell_tracks(seen, compared),
+            Some(Event::Compared(index, weights)) => tell_affinity(seen, *index as usize, weights),
             Some(Event::Iterated(spectrum)) => {
                 let largest: Number = spectrum.values.iter().take(4).copied().collect();
                 let step = Step::at(line::ITERATE).fact(value::ITERATION, spectrum.iterations);
                 let step = step.fact(value::CHANGE, spectrum.change).put(value::EIGENVALUES, largest);
                 step.say(if spectrum.is_over() { case::CONVERGED } else { case::ITERATED }).show(eigenvalues(spectrum))
             }
-            Some(Event::Clustered(labels, count)) => self.told_clusters(seen, labels, *count),
+            Some(Event::Clustered(labels, count)) => self.tell_clusters(seen, labels, *count),
             Some(Event::Labelled(frame)) => {
                 let step = Step::at(line::LABEL).say(case::LABELLED);
-                concluded(step, seen.clip, seen.before.record.frame(), frame)
+                conclude(step, seen.clip, seen.before.record.frame(), frame)
             }
         }
     }
 
-    fn told_tracks(&self, seen: &Seen<Self>, compared: &Compared) -> Step {
+    fn tell_tracks(&self, seen: &Seen<Self>, compared: &Compared) -> Step {
         let step = Step::at(line::TRACK).fact(value::TRAJECTORIES, compared.all().count());
         let step = step.put(shared::METHOD, self.tracks.estimator().info().name);
         let step = step.put(value::COMPARED, compared.tracks.len()).say(case::TRACKED);
@@ -96,7 +96,7 @@ impl TrajectoryClustering {
         })
     }
 
-    fn told_clusters(&self, seen: &Seen<Self>, labels: &[u32], count: usize) -> Step {
+    fn tell_clusters(&self, seen: &Seen<Self>, labels: &[u32], count: usize) -> Step {
         let step = Step::at(line::CLUSTER).fact(value::TRAJECTORIES, labels.len());
         let step = step.show_all(seen.before.spectrum.as_ref().map(|spectrum| eigenvalues(spectrum)));
         if labels.is_empty() {
@@ -111,7 +111,7 @@ impl TrajectoryClustering {
         })
     }
 
-    pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(super) fn draw_marks(&self, seen: &Seen<Self>, scene: &mut Scene) {
         scene.pictures = vec![Canvas::of_clip(Picture::CURRENT)];
         let compared = seen.after.or(Some(seen.before)).and_then(|state| state.compared.as_ref());
         let (Some(event), Some(compared)) = (seen.events.last(), compared) else { return };
@@ -134,7 +134,7 @@ impl TrajectoryClustering {
     }
 }
 
-fn told_affinity(seen: &Seen<TrajectoryClustering>, index: usize, weights: &[f32]) -> Step {
+fn tell_affinity(seen: &Seen<TrajectoryClustering>, index: usize, weights: &[f32]) -> Step {
     let alike = weights.iter().filter(|w| **w >= ALIKE).count().saturating_sub(1);
     let step = Step::at(line::COMPARE).fact(value::TRAJECTORY, index + 1).put(value::ALIKE, alike);
     let step = step.put(value::LEAST_AFFINITY, ALIKE).say(case::COMPARED).formula(
@@ -158,29 +158,29 @@ fn sorted(weights: &[f32]) -> Readout {
     let mut all = weights.to_vec();
     all.sort_by(|a, b| b.total_cmp(a));
     Readout::Series(Series {
-        title: "Affinities in descending order",
-        x_label: "trajectories",
-        y_label: "affinity w",
-        x_max: all.len(),
-        lines: vec![("affinity", Role::Best, all.iter().enumerate().map(|(i, w)| [(i + 1) as f32, *w]).collect())],
         thresholds: vec![("drawn as alike".to_owned(), ALIKE)],
         is_sweep: true,
         decimals: Some(3),
-        ..Series::default()
+        ..Series::new(
+            "Affinities in descending order",
+            ["trajectories", "affinity w"],
+            all.len(),
+            vec![("affinity", Role::Best, all.iter().enumerate().map(|(i, w)| [(i + 1) as f32, *w]).collect())],
+        )
     })
 }
 
 fn eigenvalues(spectrum: &Spectrum) -> Readout {
     Readout::Series(Series {
-        title: "Eigenvalues of the normalised affinities",
-        x_label: "number",
-        y_label: "eigenvalue",
-        x_max: EIGENVALUES,
-        lines: vec![("eigenvalue", Role::Estimate, Series::bars(spectrum.values.iter().map(|value| *value as f32)))],
         is_sweep: true,
         chosen: spectrum.is_over().then(|| spectrum.groups_by_gap() as f32),
         decimals: Some(3),
-        ..Series::default()
+        ..Series::new(
+            "Eigenvalues of the normalised affinities",
+            ["number", "eigenvalue"],
+            EIGENVALUES,
+            vec![("eigenvalue", Role::Estimate, Series::bars(spectrum.values.iter().map(|value| *value as f32)))],
+        )
     })
 }
 
@@ -191,7 +191,7 @@ fn nearest(compared: &Compared, [x, y]: [f32; 2]) -> Option<usize> {
 }
 
 fn path(track: &Track) -> Shape {
-    Shape::Path { points: track.points.iter().map(|point| point.at).collect(), closed: false }
+    Shape::line(track.points.iter().map(|point| point.at).collect())
 }
 
 fn draw_track(scene: &mut Scene, track: &Track, role: Role, label: Option<u32>) {
@@ -208,9 +208,8 @@ fn draw_affinities(scene: &mut Scene, compared: &Compared, index: usize, weights
     scene.legend(Role::Best, "affinity of at least 0.5");
     scene.legend(Role::Rejected, "less");
     if let Some(point) = compared.tracks.get(index).and_then(|track| track.points.first()) {
-        let ring = Shape::Ellipse { center: point.at, radii: [5.0; 2], angle_rad: 0.0 };
-        scene.mark(Picture::CURRENT, Role::Reference, ring);
-        scene.legend(Role::Reference, "trajectory that is compared");
+        let ring = Shape::circle(point.at, 5.0);
+        scene.draw(Picture::CURRENT, (Role::Reference, "trajectory that is compared"), ring);
     }
 }
 
@@ -220,7 +219,6 @@ fn draw_vector(scene: &mut Scene, seen: &Seen<TrajectoryClustering>, compared: &
     let record = &seen.before.record;
     let nearest = compared.nearest_at_start(record.picture(), record.frame());
     let values = nearest.map(|index| vector.get(*index as usize).map_or(f32::NAN, |entry| *entry as f32));
-    scene.mark(Picture::CURRENT, Role::Estimate, Shape::Heat { origin: [0.0; 2], values });
-    scene.legend(Role::Estimate, "second eigenvector at the nearest trajectory");
+    scene.draw(Picture::CURRENT, (Role::Estimate, "second eigenvector at the nearest trajectory"), Shape::heat(values));
     scene.heat = Some("entry of the eigenvector");
 }

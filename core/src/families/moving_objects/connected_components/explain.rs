@@ -74,7 +74,7 @@ crate::cases! { over value;
 }
 
 /// Tells the rows without foreground directly above the current one: moves pass them.
-fn passed(step: Step, state: &State) -> Step {
+fn tell_empty_rows(step: Step, state: &State) -> Step {
     let first = state.labelling.runs().last().map_or(0, |run| run.y as usize + 1);
     let last = state.row.saturating_sub(1);
     let step = step.put(value::ROW, state.row).put(value::FIRST_EMPTY_ROW, first).put(value::LAST_EMPTY_ROW, last);
@@ -90,7 +90,6 @@ fn is_one(run: &Run) -> bool {
     run.end - run.start == 1
 }
 
-/// Tells that the current run touches.
 fn touches(step: Step, run: &Run) -> Step {
     let step = step
         .put(value::START, run.start)
@@ -147,7 +146,6 @@ impl Labels {
         grid
     }
 
-    /// The number of labels that are roots.
     fn roots(&self) -> usize {
         self.parents.iter().enumerate().filter(|(label, parent)| *label == **parent as usize).count()
     }
@@ -190,14 +188,16 @@ impl Labels {
 }
 
 impl ConnectedComponents {
-    pub(super) fn explained_step(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explain_step(&self, seen: &Seen<Self>) -> Step {
         let (state, labels) = (seen.before, Labels::new(seen));
         let Some(event) = seen.events.last() else { return Step::at(line::EACH_ROW).say(case::OPENING) };
         let at = |line| labels.put(Step::at(line), seen);
         let mut union = None;
         let step = match event {
             Event::Row(_, 0) => at(line::EACH_ROW).put(value::ROW, state.row).say(case::EMPTY_ROW),
-            Event::Row(_, count) => passed(at(line::EACH_ROW), state).put(value::ROW_PIXELS, *count).say(case::ROW),
+            Event::Row(_, count) => {
+                tell_empty_rows(at(line::EACH_ROW), state).put(value::ROW_PIXELS, *count).say(case::ROW)
+            }
             Event::Run(LabelEvent::Made(run)) => touches(at(line::NEW_LABEL), run).say(case::NEW_LABEL),
             Event::Run(LabelEvent::Took(run, above)) => {
                 let is_root = run.label == above.label;
@@ -214,7 +214,7 @@ impl ConnectedComponents {
                 step.put(value::ROOT, roots[0] + 1).put(value::CHILD, roots[1] + 1).say(case::UNION)
             }
             Event::Final(_, _, count) => {
-                passed(at(line::LABEL_BY_ROOT), state).put(value::ROOTS, *count).say(case::NUMBERED)
+                tell_empty_rows(at(line::LABEL_BY_ROOT), state).put(value::ROOTS, *count).say(case::NUMBERED)
             }
             Event::Kept(_, blobs) => {
                 let least = self.settings.least_area(state.picture);
@@ -225,7 +225,7 @@ impl ConnectedComponents {
         step.show_all(forest).show_all(plots(&seen.after.unwrap_or(state).record, &state.span))
     }
 
-    pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(super) fn draw_marks(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let state = seen.before;
         match seen.events.last() {
             None => return,
@@ -244,8 +244,11 @@ impl ConnectedComponents {
                 draw_labels(scene, Arc::new(labels.labels(state.picture)), "provisional labels, one colour per root");
                 draw_forest(scene, &labels);
                 let (x, width) = (0, state.picture.0);
-                scene.mark(Picture::CURRENT, Role::Window, Shape::pixels(x, state.row as i32, width, 1));
-                scene.legend(Role::Window, "current row");
+                scene.draw(
+                    Picture::CURRENT,
+                    (Role::Window, "current row"),
+                    Shape::pixels(x, state.row as i32, width, 1),
+                );
             }
         }
         let Some(Event::Run(event)) = seen.events.last() else { return };
@@ -257,8 +260,7 @@ impl ConnectedComponents {
         };
         let mut mark = |run: &Run, role, meaning| {
             let shape = Shape::pixels(run.start as i32, run.y as i32, (run.end - run.start) as usize, 1);
-            scene.mark(Picture::CURRENT, role, shape);
-            scene.legend(role, meaning);
+            scene.draw(Picture::CURRENT, (role, meaning), shape);
         };
         other.into_iter().for_each(|other| mark(other, Role::Reference, "touching run above"));
         mark(run, Role::Candidate, "current run");
@@ -266,8 +268,7 @@ impl ConnectedComponents {
 }
 
 fn draw_labels(scene: &mut Scene, labels: Arc<Grid<u32>>, meaning: &'static str) {
-    scene.mark(Picture::CURRENT, Role::Best, Shape::Labels(labels));
-    scene.legend(Role::Best, meaning);
+    scene.draw(Picture::CURRENT, (Role::Best, meaning), Shape::Labels(labels));
 }
 
 /// Draws the equivalence forest: an arrow from the first run of each label that is no root to the first run of its parent.
@@ -284,8 +285,7 @@ fn draw_forest(scene: &mut Scene, labels: &Labels) {
     let edges: Vec<Arrow> = labels.parents.iter().enumerate().filter_map(edge).collect();
     if !edges.is_empty() {
         // Not a displacement: it must reach its parent.
-        scene.mark(Picture::CURRENT, Role::Measured, Shape::Arrows(edges));
-        scene.legend(Role::Measured, "union–find forest: label → parent");
+        scene.draw(Picture::CURRENT, (Role::Measured, "union–find forest: label → parent"), Shape::Arrows(edges));
     }
 }
 
@@ -293,6 +293,5 @@ fn draw_forest(scene: &mut Scene, labels: &Labels) {
 fn draw_unlabelled(scene: &mut Scene, masked: &MaskedFrame, row: usize) {
     let mut mask = masked.mask.clone();
     (0..row).for_each(|y| mask.write_row(y, |words| words.fill(0)));
-    scene.mark(Picture::CURRENT, Role::Rejected, Shape::Mask(Arc::new(mask)));
-    scene.legend(Role::Rejected, "foreground not yet labelled");
+    scene.draw(Picture::CURRENT, (Role::Rejected, "foreground not yet labelled"), Shape::Mask(Arc::new(mask)));
 }

@@ -8,8 +8,8 @@ const MOST: usize = 24;
 /// From a node to its label, in columns.
 const ASIDE: f32 = 0.16;
 
-/// Draws the trees, that of the last union first and labels alone last; `None` where there is no label. `parents` holds the parent of each
-/// label, and `union` root and child of the union at work.
+/// Draws the trees, that of the last union first and labels alone last; `None` where there is no label. `parents` holds
+/// the parent of each label, and `union` root and child of the current union.
 pub fn drawn(parents: &[u32], union: Option<[u32; 2]>) -> Option<Diagram> {
     let mut children = vec![Vec::new(); parents.len()];
     for (label, parent) in parents.iter().enumerate().filter(|(label, parent)| *label != **parent as usize) {
@@ -31,7 +31,7 @@ pub fn drawn(parents: &[u32], union: Option<[u32; 2]>) -> Option<Diagram> {
 struct Forest<'a> {
     children: &'a [Vec<usize>],
     union: Option<[u32; 2]>,
-    /// How many more labels may be drawn.
+    /// Number of further labels that may be drawn.
     left: usize,
     /// The columns that are taken; each label without children has one.
     columns: usize,

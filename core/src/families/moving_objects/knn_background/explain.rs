@@ -88,15 +88,7 @@ impl KnnBackground {
         let is_near = |y: usize| square(samples[y].color, color, channels) <= self.threshold * self.threshold;
         let changed = Grid::from_fn(columns.len(), samples.len(), |_, y| samples[y].is_background && is_near(y));
         let names = SETS.iter().flat_map(|name| (1..=self.samples).map(move |number| format!("{name} {number}")));
-        Matrix {
-            symbol: "S",
-            name: "samples before the update",
-            role: Some(Role::Predicted),
-            entries,
-            rows: names.collect(),
-            columns: columns.into_iter().map(String::from).collect(),
-            changed: Some(changed),
-            decimals: None,
-        }
+        let table = Matrix::new("S", "samples before the update", entries).with_rows(names).with_columns(columns);
+        Matrix { changed: Some(changed), ..table.with_role(Role::Predicted) }
     }
 }

@@ -102,7 +102,7 @@ impl MixtureOfGaussians {
         let (step, class) = self.put_verdict(step.show(Readout::Matrices(tables)), &verdict, &pixel);
         let verdict_cases = std::iter::once(level).chain(class).collect();
         let Some(after) = after else { return Explanation { step, verdict: verdict_cases, update: Vec::new() } };
-        let (step, update) = self.put_update(step, matched, (&pixel, after, place));
+        let (step, update) = self.put_update(step, matched, &pixel, after, place);
         Explanation { step, verdict: verdict_cases, update }
     }
 
@@ -137,7 +137,9 @@ impl MixtureOfGaussians {
         &self,
         step: Step,
         matched: Option<&Matched>,
-        (pixel, after, place): (&[f32], &Mixture, (usize, usize)),
+        pixel: &[f32],
+        after: &Mixture,
+        place: (usize, usize),
     ) -> (Step, Cases) {
         let new = [value::NEW_WEIGHT, value::NEW_MEAN, value::NEW_SIGMA];
         let Some(matched) = matched else {
@@ -192,7 +194,6 @@ fn matrices(modes: &[Mode], pixel: &[f32], after: Option<Vec<Mode>>) -> Vec<Matr
     [before].into_iter().chain(after).collect()
 }
 
-/// The table of modes, one row each.
 fn table(symbol: &'static str, name: &'static str, modes: &[Mode], pixel: &[f32]) -> Matrix {
     let columns = match pixel {
         [_] => vec!["w", "μ", "σ", "|I − μ| / σ"],
@@ -207,9 +208,8 @@ fn table(symbol: &'static str, name: &'static str, modes: &[Mode], pixel: &[f32]
             Some(_) => mode.distance(pixel),
         })
     });
-    let rows = (1..=modes.len()).map(|number| number.to_string()).collect();
-    let columns = columns.into_iter().map(String::from).collect();
-    Matrix { symbol, name, role: Some(Role::Predicted), entries, rows, columns, changed: None, decimals: None }
+    let rows = (1..=modes.len()).map(|number| number.to_string());
+    Matrix::new(symbol, name, entries).with_role(Role::Predicted).with_rows(rows).with_columns(columns)
 }
 
 #[cfg(test)]

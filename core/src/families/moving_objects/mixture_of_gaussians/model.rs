@@ -216,7 +216,6 @@ impl Mixture {
         self.counts.iter().copied().max().map_or(0, usize::from)
     }
 
-    /// A mode of a group.
     fn mode(&self, group: usize, index: usize) -> &[f32] {
         let part = self.part();
         match &self.packed {
@@ -225,7 +224,6 @@ impl Mixture {
         }
     }
 
-    /// The modes of a group that are in use.
     fn modes_of(&self, group: usize) -> impl Iterator<Item = &[f32]> {
         (0..usize::from(self.counts[group])).map(move |index| self.mode(group, index))
     }
@@ -272,7 +270,7 @@ impl Mixture {
         }
     }
 
-    /// Decides the pixels of a frame, and takes it in.
+    /// Classifies the pixels of a frame and updates the modes with it.
     pub fn subtract(&mut self, of: &MixtureOfGaussians, frame: &Frame, threads: &Threads) -> Found {
         self.make_room();
         let ((width, height), part) = (self.size, self.part());
@@ -310,7 +308,7 @@ impl Mixture {
         Found { mask, shadows: tells_shadows.then_some(shadows) }
     }
 
-    /// Returns the modes displaced by `by` px; what comes into the picture is initialised with the frame.
+    /// Returns the modes displaced by `by` px; uncovered pixels are initialised with the frame.
     pub fn moved(&self, of: &MixtureOfGaussians, by: [f32; 2], frame: &Frame) -> Self {
         let (mut source, (width, height), part) = (self.clone(), self.size, self.part());
         let by = by.map(|c| c.round() as i32);

@@ -15,7 +15,7 @@ cases! { pub(super)
     ADVISE_MOTION: "More pyramid levels would reach this motion.",
 }
 
-/// The remedies where Farnebäck's method fails.
+/// Remedies where Farnebäck's method fails.
 const ADVICE: Advice =
     Advice { texture: case::ADVISE_TEXTURE, boundary: case::ADVISE_BOUNDARY, motion: case::ADVISE_MOTION };
 
@@ -62,7 +62,7 @@ impl Farneback {
             explain::sections(notes.iter().enumerate().map(|(i, note)| (i + 1, (note.level, 0))), counts).collect();
         let series = |title, lines| {
             let sections = sections.clone();
-            Series { title, x_label: "iteration", y_label: "px", x_max, sections, lines, ..Series::default() }
+            Series { sections, ..Series::new(title, ["iteration", "px"], x_max, lines) }
         };
         let mut all = Vec::new();
         if !notes.is_empty() {

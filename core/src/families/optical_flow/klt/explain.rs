@@ -72,7 +72,6 @@ impl Klt {
         step.show_all(trails::turnover("Features", &seen.before.counts, &seen.before.tracks, &seen.before.span))
     }
 
-    /// Puts the numbers of tracked and of lost features.
     fn put_counts(&self, seen: &Seen<Self>, step: Step) -> Step {
         let (state, count) = (seen.before, seen.before.live.len());
         let step = step.put(value::FRAME, state.frame).put(features::MAX_POINTS, self.max_points);
@@ -80,7 +79,6 @@ impl Klt {
         put_lost(step.put(features::BE, be(count)).fact(value::TRACKED_FEATURES, count), last)
     }
 
-    /// Explains an event of the current feature.
     fn tell_tracking(&self, seen: &Seen<Self>, event: &Event) -> Step {
         let (Some(live), Some(level_trace)) = (live(seen), self.level_trace(seen)) else {
             return Step::at(line::EACH_FEATURE);
@@ -156,7 +154,6 @@ impl Klt {
         step.formula(r"\mathbf{A} = {matrix}, s = {shift}").formula(r"\lambda = {gain}, \delta = {offset}")
     }
 
-    /// Adds the conclusion at the end of a pair.
     fn conclude(&self, seen: &Seen<Self>, step: Step) -> Step {
         let frame = seen.before.frame;
         let (Some(after), Some((pair, _))) = (seen.after, last_forward(seen.events)) else { return step };
@@ -253,13 +250,11 @@ fn draw_view(level_trace: &LevelTrace, fit: &Fit, is_refused: bool, scene: &mut 
     let corners = [[-half, -half], [half, -half], [half, half], [-half, half]];
     let [x, y] = level_trace.at;
     let window = Shape::Rect { min: [x - half, y - half], max: [x + half, y + half] };
-    scene.mark(Picture::CURRENT, Role::Reference, window);
-    scene.legend(Role::Reference, "window");
+    scene.draw(Picture::CURRENT, (Role::Reference, "window"), window);
     let to = [0, 1].map(|i| level_trace.at[i] + level_trace.on_picture()[i]);
     let outline = corners.map(|corner| place(to, fit, corner)).to_vec();
     let role = if is_refused { Role::Rejected } else { Role::Best };
-    scene.mark(Picture::NEXT, role, Shape::Path { points: outline, closed: true });
-    scene.legend(role, "first view, mapped by the affine fit");
+    scene.draw(Picture::NEXT, (role, "first view, mapped by the affine fit"), Shape::outline(outline));
 }
 
 /// The first view, the mapped window, and their difference.
@@ -270,11 +265,9 @@ fn views(level_trace: &LevelTrace, live: &Live, fit: &Fit) -> Vec<Tile> {
     let to = [0, 1].map(|i| level_trace.at[i] + level_trace.on_picture()[i]);
     let (first, now) = (grid(live.view.values()), grid(&live.view.warped(&level_trace.pyramids[1][0], to, fit)));
     let difference = Grid::from_fn(side, side, |x, y| first[(x, y)] - now[(x, y)]);
-    let most = difference.cells().iter().filter(|v| v.is_finite()).fold(1.0f32, |most, v| most.max(v.abs()));
-    let tile = |label, role, values, range| Tile { label, role, values, range, framed: Vec::new() };
     vec![
-        tile("First view", Some(Role::Reference), first, [0.0, 255.0]),
-        tile("Mapped window", Some(Role::Best), now, [0.0, 255.0]),
-        tile("Difference", None, difference, [-most, most]),
+        Tile::gray("First view", first).with_role(Role::Reference),
+        Tile::gray("Mapped window", now).with_role(Role::Best),
+        Tile::signed("Difference", difference),
     ]
 }

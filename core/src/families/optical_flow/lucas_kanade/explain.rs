@@ -99,7 +99,7 @@ impl Probe<'_> {
     }
 }
 
-/// How many times the threshold the smaller eigenvalue must be to exceed it clearly.
+/// Factor by which the smaller eigenvalue must exceed the threshold to exceed it clearly.
 const CLEAR: f32 = 2.0;
 
 impl LucasKanade {
@@ -121,27 +121,26 @@ impl LucasKanade {
 
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
         if let [Event::Linearized] = seen.events {
-            return self.linearized(seen.before.iteration);
+            return self.tell_linearization(seen.before.iteration);
         }
         let Some(probe) = self.probe(seen) else { return Step::at(line::START_AT_ZERO).say(case::OPENING) };
         let step = Step::at(if probe.is_solved() { line::SOLVE } else { line::IS_SINGULAR });
-        let step = self.told(self.measured(seen, step, &probe), &probe);
+        let step = self.tell_window(self.put_window(seen, step, &probe), &probe);
         let plane = self.plane(&seen.before.frame_pair, &probe);
         let step = step.say_if(plane.cost.as_ref().is_some_and(PlaneCost::has_gaps), case::GAPS);
-        let step = self.concluded(seen, equations(step, &probe, seen.before.iteration > 0)).show(Readout::Plane(plane));
+        let step = self.conclude(seen, equations(step, &probe, seen.before.iteration > 0)).show(Readout::Plane(plane));
         let [current, next] = &seen.before.frame_pair.pictures;
         step.show(Readout::Tiles(probe.linear.tiles([current, next], probe.pixel, (self.window / 2).min(5))))
     }
 
     /// Explains the linearisation before the first row of an iteration.
-    fn linearized(&self, iteration: usize) -> Step {
+    fn tell_linearization(&self, iteration: usize) -> Step {
         let step = Step::at(line::LINEARIZE).put(shared::ITERATIONS, self.iterations);
         let step = step.fact_as(shared::ITERATION.is(iteration + 1), shared_case::ITERATION);
         step.say(if iteration == 0 { case::FIRST_ITERATION } else { case::LATER_ITERATION })
     }
 
-    /// Puts the values of a window.
-    fn measured(&self, seen: &Seen<Self>, step: Step, probe: &Probe) -> Step {
+    fn put_window(&self, seen: &Seen<Self>, step: Step, probe: &Probe) -> Step {
         let Probe { pixel, linear, tensor, solution, spread } = *probe;
         let (Solution { displacement, eigenvalues: [large, small], texture }, frames) =
             (solution, &seen.before.frame_pair);
@@ -178,8 +177,8 @@ impl LucasKanade {
         step.fact_if(shared::TRUE_FLOW, truth)
     }
 
-    /// Says what the eigenvalues of a window show.
-    fn told(&self, step: Step, probe: &Probe) -> Step {
+    /// Interprets the eigenvalues of a window.
+    fn tell_window(&self, step: Step, probe: &Probe) -> Step {
         let Solution { eigenvalues: [large, small], texture, .. } = probe.solution;
         // An eigenvalue above the threshold is refused only for rounding errors.
         let why = |eigenvalue: f32| -> &'static Case {
@@ -207,7 +206,7 @@ impl LucasKanade {
     }
 
     /// Adds the conclusion of an iteration and of the run, at the end of each.
-    fn concluded(&self, seen: &Seen<Self>, step: Step) -> Step {
+    fn conclude(&self, seen: &Seen<Self>, step: Step) -> Step {
         let (Some(after), None) = (seen.after, seen.point()) else { return step };
         if after.iteration == seen.before.iteration {
             return step;
@@ -229,15 +228,12 @@ impl LucasKanade {
         let Some(probe) = self.probe(seen) else { return };
         let ((x, y), reach) = (probe.pixel, self.window as i32 / 2);
         let (left, top, side) = (x as i32 - reach, y as i32 - reach, 2 * reach as usize + 1);
-        scene.mark(Picture::CURRENT, Role::Window, Shape::pixels(left, top, side, side));
-        scene.legend(Role::Window, "window");
-        scene.mark(Picture::CURRENT, Role::Reference, Shape::pixels(x as i32, y as i32, 1, 1));
-        scene.legend(Role::Reference, "inspected pixel");
+        scene.draw(Picture::CURRENT, (Role::Window, "window"), Shape::pixels(left, top, side, side));
+        scene.draw(Picture::CURRENT, (Role::Reference, "inspected pixel"), Shape::pixels(x as i32, y as i32, 1, 1));
         if let Some(spread) = probe.spread {
             let center = [x as f32 + spread.center[0], y as f32 + spread.center[1]];
             let shape = Shape::Ellipse { center, radii: spread.radii, angle_rad: spread.angle_rad };
-            scene.mark(Picture::CURRENT, Role::Measured, shape);
-            scene.legend(Role::Measured, "standard deviation of the flow (1 σ)");
+            scene.draw(Picture::CURRENT, (Role::Measured, "standard deviation of the flow (1 σ)"), shape);
         }
     }
 
@@ -329,8 +325,7 @@ fn draw_textures(seen: &Seen<LucasKanade>, scene: &mut Scene) {
         let is_so = |place: &&(usize, usize)| textures[**place] == Some(texture);
         let points: Vec<_> = places.iter().filter(is_so).map(|(x, y)| [*x as f32, *y as f32]).collect();
         if !points.is_empty() {
-            scene.mark(Picture::CURRENT, role, Shape::Points(points));
-            scene.legend(role, meaning);
+            scene.draw(Picture::CURRENT, (role, meaning), Shape::Points(points));
         }
     }
 }

@@ -107,7 +107,6 @@ fn moved(events: &[Event]) -> impl Iterator<Item = (&Arc<Pair>, &Moved)> {
 }
 
 impl PointTrajectories {
-    /// Returns the processed point pointed at.
     fn pointed_at<'a>(&self, seen: &Seen<'a, Self>) -> Option<(&'a Arc<Pair>, &'a Moved)> {
         let point = seen.point()?;
         let far = |moved: &Moved| distance(moved.live.at, point);
@@ -144,7 +143,6 @@ impl PointTrajectories {
         step.show_all(plots(seen.after.unwrap_or(state)))
     }
 
-    /// Explains the result of a point.
     fn tell_point(&self, at: impl Fn(Name) -> Step, moved: &Moved) -> Step {
         let of_point = |line| self.put(at(line), moved).say(case::POINT);
         match moved.feature.status {
@@ -160,7 +158,6 @@ impl PointTrajectories {
         }
     }
 
-    /// Puts the values of a point.
     fn put(&self, step: Step, moved: &Moved) -> Step {
         let at = moved.live.at;
         let step = step.put(tracking::POSITION, at).fact_as(value::POINT.is(moved.live.track + 1), case::POINT_AT);
@@ -187,7 +184,6 @@ impl PointTrajectories {
         step.fact_if(value::FLOW_ERROR, error(moved.to())).fact_if(value::FEATURE_ERROR, error(moved.twin_to()))
     }
 
-    /// Explains the end of a pair.
     fn conclude(&self, seen: &Seen<Self>, step: Step, note: &Note) -> Step {
         let known = |number: f32| number.is_finite().then_some(number);
         let [flow_error, feature_error] = note.errors.map(known);
@@ -239,8 +235,7 @@ impl PointTrajectories {
 fn draw_ends(scene: &mut Scene, done: &[&Moved]) {
     let mut mark = |role, meaning, places: Vec<[f32; 2]>| {
         if !places.is_empty() {
-            scene.mark(Picture::NEXT, role, Shape::Points(places));
-            scene.legend(role, meaning);
+            scene.draw(Picture::NEXT, (role, meaning), Shape::Points(places));
         }
     };
     let known = |of: &dyn Fn(&Moved) -> Option<[f32; 2]>| done.iter().filter_map(|moved| of(moved)).collect();
@@ -248,8 +243,7 @@ fn draw_ends(scene: &mut Scene, done: &[&Moved]) {
     mark(Role::Predicted, AS_FEATURE, known(&|moved| moved.to().and(moved.twin_to())));
     mark(Role::Result, "displacement to frame t+1", known(&Moved::to));
     for (to, twin) in done.iter().filter_map(|moved| Some((moved.to()?, moved.twin_to()?))) {
-        scene.mark(Picture::NEXT, Role::Error, Shape::Path { points: vec![to, twin], closed: false });
-        scene.legend(Role::Error, "drift");
+        scene.draw(Picture::NEXT, (Role::Error, "drift"), Shape::line(vec![to, twin]));
     }
 }
 
@@ -270,7 +264,7 @@ fn tiles(pair: &Pair, moved: &Moved) -> Vec<Tile> {
         let value = |i, j| (level.sample([x + off(i), y + off(j)]) * 10.0).round() / 10.0;
         Grid::from_fn(side, side, value)
     };
-    let tile = |label, role, values| Tile { label, role: Some(role), values, range: [0.0, 255.0], framed: Vec::new() };
+    let tile = |label, role, values| Tile::gray(label, values).with_role(role);
     let mut all = vec![tile("Frame t", Role::Reference, around(0, moved.live.at))];
     all.extend(moved.to().map(|to| tile("t+1, flow", Role::Result, around(1, to))));
     all.extend(moved.twin_to().map(|to| tile("t+1, feature", Role::Predicted, around(1, to))));
@@ -285,14 +279,8 @@ fn plots(state: &State) -> Vec<Readout> {
         all.filter(|[_, value]| value.is_finite()).collect()
     };
     let series = |title, lines: Vec<(&'static str, Role, Vec<[f32; 2]>)>| {
-        let series = Series {
-            title,
-            x_label: "pair",
-            y_label: "px",
-            x_max: state.span.frames().map_or(notes.len(), |frames| frames - 1),
-            lines,
-            ..Series::default()
-        };
+        let series =
+            Series::new(title, ["pair", "px"], state.span.frames().map_or(notes.len(), |frames| frames - 1), lines);
         let has_line = series.lines.iter().any(|(_, _, line)| line.len() > 1);
         has_line.then_some(Readout::Series(series))
     };

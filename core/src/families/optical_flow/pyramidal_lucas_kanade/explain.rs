@@ -96,7 +96,6 @@ impl PyramidalLucasKanade {
         step.say(if levels == 1 { case::ONE_LEVEL } else { case::SEVERAL_LEVELS })
     }
 
-    /// Adds the conclusion at the end of a run.
     fn conclude(&self, seen: &Seen<Self>, step: Step) -> Step {
         let (Some(after), None) = (seen.after, seen.point()) else { return step };
         if after.found.len() < after.fixed.groups() {

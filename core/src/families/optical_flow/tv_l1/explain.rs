@@ -100,7 +100,7 @@ pub(super) fn explanation(model: &TvL1, index: usize, probe: &Probe<TvL1>, step:
 /// |p| from which a dual variable counts as saturated.
 const DISCONTINUITY: f32 = 0.95;
 
-/// How far thresholding moves the auxiliary flow of a pixel.
+/// The extent to which thresholding moves the auxiliary flow of a pixel.
 #[derive(Clone, Copy)]
 enum Thresholding {
     /// Nowhere: the constraint is unknown.
@@ -204,7 +204,7 @@ impl Pixel {
         }
     }
 
-    /// How far thresholding moves the auxiliary flow, where the constraint is known.
+    /// The extent to which thresholding moves the auxiliary flow, if the constraint is known.
     fn thresholding(&self, is_known: bool) -> Thresholding {
         match () {
             () if !is_known => Thresholding::Unknown,
@@ -226,7 +226,7 @@ impl Pixel {
     }
 }
 
-/// Tells how far thresholding moves the auxiliary flow, and writes its step.
+/// Tells the extent to which thresholding moves the auxiliary flow, and writes its step.
 fn tell_thresholding(thresholding: Thresholding, probe: &Probe<TvL1>, step: Step) -> Step {
     let step = match thresholding {
         Thresholding::Unknown => step.say(case::UNKNOWN),

@@ -87,9 +87,9 @@ impl Explained for ActiveContour {
                 let step = step.fact(shared::POINTS, points.len());
                 step.fact(value::MEAN_FORCE, mean_force(after, points)).say(case::DIFFUSED)
             }
-            Event::Iterated(iteration) => self.iterated(step, iteration).show(self.energies(at)),
+            Event::Iterated(iteration) => self.tell_iteration(step, iteration).show(self.energies(at)),
             Event::Judged(_, _, verdict) => {
-                explain::judged(step, verdict, self.snake.min_edge_strength).show(self.energies(at))
+                explain::tell_verdict(step, verdict, self.snake.min_edge_strength).show(self.energies(at))
             }
         }
     }
@@ -133,7 +133,7 @@ impl Explained for ActiveContour {
 }
 
 impl ActiveContour {
-    fn iterated(&self, step: Step, iteration: &Iteration) -> Step {
+    fn tell_iteration(&self, step: Step, iteration: &Iteration) -> Step {
         let energy = self.energy(iteration);
         let Energy { elastic, bending, external, balloon } = energy;
         let [internal_force, external_force] = self.mean_forces(iteration);
@@ -184,13 +184,8 @@ impl ActiveContour {
             lines.push(line("balloon", Role::Candidate, |energy| energy.balloon));
         }
         Readout::Series(Series {
-            title: "Energy of the contour",
-            x_label: "iteration",
-            y_label: "energy",
-            x_max: self.iterations,
             events,
-            lines,
-            ..Series::default()
+            ..Series::new("Energy of the contour", ["iteration", "energy"], self.iterations, lines)
         })
     }
 }

@@ -14,11 +14,11 @@ use crate::scene::{Arrow, Picture, Readout, Role, Scene, Shape, Step, Surface};
 /// The back-projection is drawn this far around the window, in px.
 const AROUND_PX: f32 = 24.0;
 
-/// An ellipse is filled by the object from this share of the mean back-projection of the first frame on.
+/// The object fills an ellipse whose mean back-projection is at least this share of the first frame's.
 const FILLED: f32 = 0.8;
 /// Below this share of it the window is spread.
 const SPREAD: f32 = 0.4;
-/// An ellipse of so many times the area of the first one has grown.
+/// An ellipse has grown if its area is at least this multiple of the first one's.
 const GROWN: f32 = 2.0;
 /// An object with a smaller share of the pixels of its hues does not stand out from its surroundings: where they have the hues as often,
 /// it has 21 %.
@@ -27,22 +27,21 @@ const OWN: f32 = 0.4;
 impl Explained for Camshift {
     fn step(&self, at: &At<'_, Self>, step: Step) -> Step {
         let step = match at.event {
-            Event::Modelled(model) => self.modelled(step, model).show(of_model(model)),
+            Event::Modelled(model) => self.tell_model(step, model).show(of_model(model)),
             Event::Projected(_, window) => {
                 let [width, height] = window.size();
                 let step = step.put(shared_value::WIDTH, width).put(shared_value::HEIGHT, height).say(case::PROJECTED);
                 step.show_all(at.model.map(of_model))
             }
-            Event::Shifted(_, shift) => self.shifted(step, shift),
-            Event::Resized(_, resized) => self.resized(at, resized, step),
+            Event::Shifted(_, shift) => self.tell_shift(step, shift),
+            Event::Resized(_, resized) => self.tell_size(at, resized, step),
         };
         step.show_all(hills(at).map(Readout::Landscape))
     }
 
     fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
         let window = |scene: &mut Scene, Bounds { min, max }: Bounds, (role, meaning)| {
-            scene.mark(Picture::CURRENT, role, Shape::Rect { min, max });
-            scene.legend(role, meaning);
+            scene.draw(Picture::CURRENT, (role, meaning), Shape::Rect { min, max });
         };
         let (frame, around) = match at.event {
             Event::Modelled(_) => return window(scene, at.region.bounds(), (Role::Window, "pixels of the histogram")),
@@ -66,8 +65,7 @@ impl Explained for Camshift {
                 };
                 let arrows: Vec<_> = shifts.filter_map(arrow).collect();
                 if !arrows.is_empty() {
-                    scene.mark(Picture::CURRENT, Role::Predicted, Shape::Arrows(arrows));
-                    scene.legend(Role::Predicted, "shifts");
+                    scene.draw(Picture::CURRENT, (Role::Predicted, "shifts"), Shape::Arrows(arrows));
                 }
                 if let Some(by) = shift.by {
                     window(scene, shift.window.moved(by), (Role::Best, "shifted window"));
@@ -83,7 +81,7 @@ impl Explained for Camshift {
 
     fn tell_caveat(&self, at: &At<'_, Self>, step: Step) -> Step {
         let (Some(model), Event::Resized(_, resized)) = (at.model, at.event) else { return step };
-        let (share, times) = (resized.similarity / model.first.1, resized.growth(model));
+        let (share, times) = (resized.share(model), resized.growth(model));
         let step = step.put(value::SHARE, 100.0 * share).put(value::TIMES, times);
         match () {
             () if share < SPREAD => step.say(case::SPREAD),
@@ -115,7 +113,7 @@ impl Explained for Camshift {
 
 impl Camshift {
     /// The model of the object.
-    fn modelled(&self, step: Step, model: &Model) -> Step {
+    fn tell_model(&self, step: Step, model: &Model) -> Step {
         let step = plots::put_bins(step, &model.histogram).put(value::OWN, 100.0 * model.own).say(case::MODELLED);
         if is_empty(model) {
             return step.say(case::NO_HUE);
@@ -127,14 +125,14 @@ impl Camshift {
         step.say_if(model.own < OWN, case::FEW_OWN).say_if(model.histogram.is_flat(), shared::FLAT)
     }
 
-    fn shifted(&self, step: Step, shift: &Shift) -> Step {
+    fn tell_shift(&self, step: Step, shift: &Shift) -> Step {
         let step = step.fact(value::ITERATION, shift.iteration).fact(value::MASS, shift.mass);
         let formula = r"(x, y) = (\frac{M_{10}}{M_{00}}, \frac{M_{01}}{M_{00}})";
         let Some(by) = shift.by else { return step.say(case::NO_MASS).formula(formula) };
         let step = step.put(value::OFFSET, by).put(value::CENTROID, shift.window.moved(by).center());
         let step = step.put(value::SHIFT_LENGTH, shift.length()).put(value::EPSILON, self.epsilon);
         let step = step.put(value::ITERATIONS, self.iterations).say(case::SHIFTED);
-        let step = step.say(if shift.length() < self.epsilon {
+        let step = step.say(if self.has_converged(shift) {
             case::CONVERGED
         } else if shift.iteration == self.iterations {
             case::EXHAUSTED
@@ -144,20 +142,22 @@ impl Camshift {
         step.formula(format!("{formula} = {{centroid:unit}}"))
     }
 
-    fn resized(&self, at: &At<'_, Self>, resized: &Resized, step: Step) -> Step {
+    fn tell_size(&self, at: &At<'_, Self>, resized: &Resized, step: Step) -> Step {
         let (Some(model), Resized { window, region, similarity, moments }) = (at.model, resized) else { return step };
-        let (first, times) = (model.first.1, resized.growth(model));
+        let (share, times) = (resized.share(model), resized.growth(model));
         let [along, across] = region.size;
         let step = step.put(value::MARGIN, self.margin).fact(value::FIRST_AXIS, along);
         let step = step.fact(value::SECOND_AXIS, across).fact(value::AXIS_ANGLE, region.angle_rad.to_degrees());
-        let step =
-            step.put(value::PROJECTION, *similarity).put(value::FIRST_PROJECTION, first).put(value::TIMES, times);
+        let step = step
+            .put(value::PROJECTION, *similarity)
+            .put(value::FIRST_PROJECTION, model.first.1)
+            .put(value::TIMES, times);
         let is_at_border = region.bounds().area() / window.area() > 0.9;
         let step = step.say(case::RESIZED).say(match () {
-            () if *similarity < SPREAD * first => case::SCATTERED,
+            () if share < SPREAD => case::SCATTERED,
             () if is_at_border => case::AT_BORDER,
             () if times > GROWN => case::FILLED_LARGER,
-            () if *similarity < FILLED * first => case::PARTLY_FILLED,
+            () if share < FILLED => case::PARTLY_FILLED,
             () => case::FILLED,
         });
         let Some([xx, xy, yy]) = moments.covariance() else { return step };
@@ -179,6 +179,11 @@ impl Camshift {
 }
 
 impl Resized {
+    /// The mean back-projection as a share of that in the first frame.
+    fn share(&self, model: &Model) -> f32 {
+        self.similarity / model.first.1
+    }
+
     /// The area of the ellipse as a multiple of that in the first frame.
     fn growth(&self, model: &Model) -> f32 {
         let [now, first] = [self.region, model.first.0].map(|region| region.size[0] * region.size[1]);

@@ -90,7 +90,7 @@ const ENERGY: &str = r"F = \mu \text{ length} + \nu \text{ area} + \lambda_1 \su
 
 impl Explained for ChanVese {
     fn step(&self, at: &At<'_, Self>, step: Step) -> Step {
-        let charted = |step: Step, field, phi| {
+        let add_charts = |step: Step, field, phi| {
             step.show(Readout::Tiles(tiles(field, phi))).show(Readout::Landscape(level_set(field, phi)))
         };
         match at.event {
@@ -98,14 +98,14 @@ impl Explained for ChanVese {
                 let ((width, height), [low, high]) = (field.levels.size(), field.range);
                 let step = put_means(step, field, means(phi, &field.levels)).put(value::DARKEST, low);
                 let step = step.put(shared::WINDOW_WIDTH, width).put(shared::WINDOW_HEIGHT, height);
-                charted(step.put(value::BRIGHTEST, high).say(case::STARTED).formula(ENERGY), field, phi)
+                add_charts(step.put(value::BRIGHTEST, high).say(case::STARTED).formula(ENERGY), field, phi)
             }
             Event::Iterated(iteration) => {
-                let step = self.iterated(step, iteration);
-                charted(step, &iteration.field, &iteration.phi[1]).show(self.energies(at))
+                let step = self.tell_iteration(step, iteration);
+                add_charts(step, &iteration.field, &iteration.phi[1]).show(self.energies(at))
             }
             Event::Judged(judged) => {
-                charted(self.judged(step, judged), &judged.field, &judged.phi).show(self.energies(at))
+                add_charts(self.tell_verdict(step, judged), &judged.field, &judged.phi).show(self.energies(at))
             }
         }
     }
@@ -120,8 +120,11 @@ impl Explained for ChanVese {
                 window(scene, &iteration.field);
                 let [before, after] = &iteration.phi;
                 inside(scene, (&iteration.field, after));
-                scene.mark(Picture::CURRENT, Role::Candidate, Shape::Points(moved(&iteration.field, before, after)));
-                scene.legend(Role::Candidate, "pixel that changed sides");
+                scene.draw(
+                    Picture::CURRENT,
+                    (Role::Candidate, "pixel that changed sides"),
+                    Shape::Points(moved(&iteration.field, before, after)),
+                );
             }
             Event::Judged(judged) => {
                 window(scene, &judged.field);
@@ -148,7 +151,7 @@ impl Explained for ChanVese {
 }
 
 impl ChanVese {
-    fn iterated(&self, step: Step, iteration: &Iteration) -> Step {
+    fn tell_iteration(&self, step: Step, iteration: &Iteration) -> Step {
         let Energy { length, area, inside, outside } = iteration.energy;
         let parts = [
             (value::LENGTH_ENERGY, length),
@@ -170,7 +173,7 @@ impl ChanVese {
         step.formula(ENERGY).formula(numbers)
     }
 
-    fn judged(&self, step: Step, judged: &Judged) -> Step {
+    fn tell_verdict(&self, step: Step, judged: &Judged) -> Step {
         let [own, all] = judged.area;
         let step =
             step.fact(shared::AREA, own).fact(value::CONTRAST, judged.contrast).put(value::OTHER_PARTS, all - own);
@@ -207,13 +210,8 @@ impl ChanVese {
         ];
         lines.extend((self.nu != 0.0).then(|| line("area", Role::Measured, |energy| energy.area)));
         Readout::Series(Series {
-            title: "Energy of the partition",
-            x_label: "iteration",
-            y_label: "energy",
-            x_max: self.iterations,
             events: all.iter().map(|(event, ..)| *event).collect(),
-            lines,
-            ..Series::default()
+            ..Series::new("Energy of the partition", ["iteration", "energy"], self.iterations, lines)
         })
     }
 }
@@ -233,24 +231,15 @@ fn put_means(step: Step, field: &Field, means: [f32; 2]) -> Step {
 }
 
 fn tiles(field: &Field, phi: &Grid<f32>) -> Vec<Tile> {
-    let tile = |label, role, values: &Grid<f32>, range| Tile {
-        label,
-        role,
-        values: values.clone(),
-        range,
-        framed: Vec::new(),
-    };
     vec![
-        tile("gray levels u", Some(Role::Window), &field.levels, [0.0, 1.0]),
-        tile("level set φ", Some(Role::Best), phi, [-RANGE_PX, RANGE_PX]),
+        Tile::new("gray levels u", field.levels.clone(), [0.0, 1.0]).with_role(Role::Window),
+        Tile::new("level set φ", phi.clone(), [-RANGE_PX, RANGE_PX]).with_role(Role::Best),
     ]
 }
 
-/// Draws the window.
 fn window(scene: &mut Scene, field: &Field) {
     let ([x, y], (width, height)) = (field.origin.map(|c| c as i32), field.levels.size());
-    scene.mark(Picture::CURRENT, Role::Window, Shape::pixels(x, y, width, height));
-    scene.legend(Role::Window, "window");
+    scene.draw(Picture::CURRENT, (Role::Window, "window"), Shape::pixels(x, y, width, height));
 }
 
 /// Draws the pixels of the window with φ ≥ 0.
@@ -262,14 +251,11 @@ fn inside(scene: &mut Scene, (field, phi): (&Field, &Grid<f32>)) {
         phi.get(at.0, at.1).map(|phi| *phi >= 0.0)
     };
     let mask = Mask::from_fn(left + width, top + height, |x, y| is_inside(x, y).unwrap_or(false));
-    scene.mark(Picture::CURRENT, Role::Best, Shape::Mask(Arc::new(mask)));
-    scene.legend(Role::Best, "inside, φ ≥ 0");
+    scene.draw(Picture::CURRENT, (Role::Best, "inside, φ ≥ 0"), Shape::Mask(Arc::new(mask)));
 }
 
-/// Draws the object.
 fn object(scene: &mut Scene, role: Role, mask: Mask) {
-    scene.mark(Picture::CURRENT, role, Shape::Mask(Arc::new(mask)));
-    scene.legend(role, "object");
+    scene.draw(Picture::CURRENT, (role, "object"), Shape::Mask(Arc::new(mask)));
 }
 
 /// The pixels that changed sides.

@@ -16,7 +16,7 @@ impl Explained for CorrelationFilter {
         match at.event {
             Event::Learned(patch, model) => {
                 let step =
-                    sized(step, patch).put(value::PERTURBATIONS, self.perturbations).put(value::SIGMA, self.sigma);
+                    put_size(step, patch).put(value::PERTURBATIONS, self.perturbations).put(value::SIGMA, self.sigma);
                 let step = step.put(value::ROTATION, self.rotation).put(value::SCALING, 100.0 * PERTURBED_SCALE);
                 let step = step.say(if self.perturbations > 0 { case::LEARNED_PERTURBED } else { case::LEARNED });
                 let step = step.say(case::MINIMISES);
@@ -25,22 +25,22 @@ impl Explained for CorrelationFilter {
             }
             Event::Cut(response) => {
                 let tiles = [patch_tile(&response.patch)].into_iter().chain(filter());
-                sized(step, &response.patch).say(case::CUT).show(Readout::Tiles(tiles.collect()))
+                put_size(step, &response.patch).say(case::CUT).show(Readout::Tiles(tiles.collect()))
             }
             Event::Responded(response) => {
-                let step = sized(step, &response.patch).put(value::DISPLACEMENTS, response.values.cells().len());
-                charted(at, step.say(case::RESPONDED), response)
+                let step = put_size(step, &response.patch).put(value::DISPLACEMENTS, response.values.cells().len());
+                add_charts(at, step.say(case::RESPONDED), response)
             }
-            Event::Found(response) => charted(at, found(step, response).say(case::FOUND), response),
+            Event::Found(response) => add_charts(at, put_peak(step, response).say(case::FOUND), response),
             Event::Judged(response, evidence) => {
-                let step = self.judged(found(step, response), response, evidence.as_ref());
+                let step = self.tell_verdict(put_peak(step, response), response, evidence.as_ref());
                 let step =
                     step.formula(r"\text{PSR} = \frac{g_{\max} - \mu}{s} = \frac{{peak} - {mean}}{{spread}} = {psr}");
                 step.show(Readout::Surface(surface(response)))
             }
             Event::Updated(response, model) => {
                 let step =
-                    sized(step, &response.patch).put(value::LEARNING_RATE, self.learning_rate).say(case::UPDATED);
+                    put_size(step, &response.patch).put(value::LEARNING_RATE, self.learning_rate).say(case::UPDATED);
                 let step = step.formula(r"A \gets \eta \, G F^{\text{*}} + (1 - \eta) \, A");
                 let updated = Tile { label: "filter, updated", ..filter_tile(model) };
                 step.show(Readout::Tiles(filter().into_iter().chain([updated]).collect()))
@@ -73,10 +73,12 @@ impl Explained for CorrelationFilter {
         }
         let from = [origin[0] + (width / 2) as f32, origin[1] + (height / 2) as f32];
         let to = [0, 1].map(|i| from[i] + response.displacement[i]);
-        scene.mark(Picture::CURRENT, Role::Predicted, Shape::Arrows(vec![Arrow { from, to }]));
-        scene.legend(Role::Predicted, "displacement of the peak");
-        scene.mark(Picture::CURRENT, Role::Best, Shape::Points(vec![to]));
-        scene.legend(Role::Best, "peak");
+        scene.draw(
+            Picture::CURRENT,
+            (Role::Predicted, "displacement of the peak"),
+            Shape::Arrows(vec![Arrow { from, to }]),
+        );
+        scene.draw(Picture::CURRENT, (Role::Best, "peak"), Shape::Points(vec![to]));
     }
 
     fn tell_loss(&self, at: &At<'_, Self>, step: Step) -> Step {
@@ -106,7 +108,7 @@ impl Explained for CorrelationFilter {
 }
 
 impl CorrelationFilter {
-    fn judged(&self, step: Step, response: &Response, evidence: Option<&Evidence>) -> Step {
+    fn tell_verdict(&self, step: Step, response: &Response, evidence: Option<&Evidence>) -> Step {
         let [mean, deviation] = response.sidelobes;
         let step = step.put(value::MEAN, mean).put(value::SPREAD, deviation).put(value::MIN_PSR, self.min_psr);
         let step = step.say(case::JUDGED);
@@ -123,14 +125,12 @@ impl CorrelationFilter {
     }
 }
 
-/// Adds the size of a window.
-fn sized(step: Step, window: &Grid<f32>) -> Step {
+fn put_size(step: Step, window: &Grid<f32>) -> Step {
     let (width, height) = window.size();
     step.put(value::HEIGHT, height).fact_as(value::WIDTH.is(width), case::SIZE)
 }
 
-/// Adds the peak.
-fn found(step: Step, response: &Response) -> Step {
+fn put_peak(step: Step, response: &Response) -> Step {
     let step = step.fact(value::DISPLACEMENT, response.displacement);
     step.fact(value::PEAK, response.values[response.peak]).fact(value::PSR, response.psr)
 }
@@ -141,9 +141,9 @@ fn put_zncc(step: Step, evidence: &Evidence) -> Step {
 }
 
 /// Shows the window, the filter and the response.
-fn charted(at: &At<'_, CorrelationFilter>, step: Step, response: &Response) -> Step {
+fn add_charts(at: &At<'_, CorrelationFilter>, step: Step, response: &Response) -> Step {
     let tiles = [patch_tile(&response.patch)].into_iter().chain(at.model.map(filter_tile));
-    let tiles = tiles.chain([tile("response g", Some(Role::Best), response.values.clone())]).collect();
+    let tiles = tiles.chain([tile("response g", Role::Best, response.values.clone())]).collect();
     step.show(Readout::Tiles(tiles)).show(Readout::Surface(surface(response)))
 }
 
@@ -153,18 +153,18 @@ fn evidence<'a>(at: &At<'a, CorrelationFilter>) -> Option<&'a Evidence> {
 }
 
 /// A tile with the range of its values.
-fn tile(label: &'static str, role: Option<Role>, values: Grid<f32>) -> Tile {
+fn tile(label: &'static str, role: Role, values: Grid<f32>) -> Tile {
     let range =
         values.cells().iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], v| [low.min(*v), high.max(*v)]);
     let range = if range[0] < range[1] { range } else { [0.0, 1.0] };
-    Tile { label, role, values, range, framed: Vec::new() }
+    Tile::new(label, values, range).with_role(role)
 }
 
 fn patch_tile(patch: &Grid<f32>) -> Tile {
-    tile("window f", Some(Role::Window), patch.clone())
+    tile("window f", Role::Window, patch.clone())
 }
 
-/// The filter as a picture: what the windows are correlated with.
+/// The filter as a picture: the kernel with which windows are correlated.
 fn filter_tile(model: &Model) -> Tile {
     let mut filter = model.filter();
     filter.iter_mut().for_each(|value| *value = value.conj());
@@ -175,7 +175,7 @@ fn filter_tile(model: &Model) -> Tile {
         let turned = |c: usize, extent: usize| (c + extent - extent / 2) % extent;
         filter[turned(y, height) * width + turned(x, width)]
     });
-    tile("filter h", Some(Role::Reference), values)
+    tile("filter h", Role::Reference, values)
 }
 
 /// The response around displacement 0.
@@ -200,8 +200,6 @@ fn surface(response: &Response) -> Surface {
     }
 }
 
-/// Draws the window of the filter.
 fn window(scene: &mut Scene, [x, y]: [i32; 2], (width, height): (usize, usize)) {
-    scene.mark(Picture::CURRENT, Role::Window, Shape::pixels(x, y, width, height));
-    scene.legend(Role::Window, "window of the filter");
+    scene.draw(Picture::CURRENT, (Role::Window, "window of the filter"), Shape::pixels(x, y, width, height));
 }

@@ -1,19 +1,19 @@
-//! Numbers beside each other that are calculated with as one, so that a transform of them is a transform of each.
+//! Lanes of numbers that are computed as one, so that a transform of them is a transform of each.
 
 use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Neg, Rem, Sub};
 
 use rustfft::num_traits::{FromPrimitive, Num, One, Signed, Zero};
 
-/// Numbers beside each other: as many as a register of any processor holds.
+/// Number of lanes: as many as a register of any processor holds.
 pub const LANES: usize = 4;
 
-/// Numbers beside each other.
+/// Lanes of numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lanes(pub [f32; LANES]);
 
 impl Lanes {
-    /// The same number in all of them.
+    /// The same number in all lanes.
     #[inline(always)]
     pub fn all(value: f32) -> Self {
         Self([value; LANES])
@@ -51,7 +51,7 @@ impl Neg for Lanes {
     }
 }
 
-// What follows is asked for by the transforms.
+// The following traits are required by the transforms.
 
 impl Zero for Lanes {
     #[inline(always)]

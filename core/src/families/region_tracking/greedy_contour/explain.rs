@@ -77,10 +77,10 @@ impl Explained for GreedyContour {
             Event::Edges(edges, points) => {
                 explain::edges(step, edges, (self.snake.sigma, points.len())).say(case::EDGE_ENERGY).formula(ENERGY)
             }
-            Event::Tested(test) => self.tested(step, test).show(Readout::Tiles(self.tiles(test))),
-            Event::Passed(pass) => self.passed(step, pass).show(self.energies(at)),
+            Event::Tested(test) => self.tell_test(step, test).show(Readout::Tiles(self.tiles(test))),
+            Event::Passed(pass) => self.tell_pass(step, pass).show(self.energies(at)),
             Event::Judged(_, _, verdict) => {
-                explain::judged(step, verdict, self.snake.min_edge_strength).show(self.energies(at))
+                explain::tell_verdict(step, verdict, self.snake.min_edge_strength).show(self.energies(at))
             }
         }
     }
@@ -97,11 +97,17 @@ impl Explained for GreedyContour {
         match at.event {
             Event::Tested(test) => {
                 let [x, y] = test.site.at.map(|c| c as i32 - self.radius as i32);
-                scene.mark(Picture::CURRENT, Role::Predicted, Shape::pixels(x, y, self.side(), self.side()));
-                scene.legend(Role::Predicted, "neighbourhood of the point");
+                scene.draw(
+                    Picture::CURRENT,
+                    (Role::Predicted, "neighbourhood of the point"),
+                    Shape::pixels(x, y, self.side(), self.side()),
+                );
                 let [x, y] = self.chosen(test).map(|c| c as i32);
-                scene.mark(Picture::CURRENT, Role::Estimate, Shape::pixels(x, y, 1, 1));
-                scene.legend(Role::Estimate, "pixel with the lowest energy");
+                scene.draw(
+                    Picture::CURRENT,
+                    (Role::Estimate, "pixel with the lowest energy"),
+                    Shape::pixels(x, y, 1, 1),
+                );
             }
             Event::Passed(pass) if !pass.corners.is_empty() => {
                 let corners: Vec<Point> = pass.corners.iter().map(|i| pass.points[*i]).collect();
@@ -147,7 +153,7 @@ impl GreedyContour {
         self.terms(test)[test.best].unwrap_or_default()
     }
 
-    /// The contour before the event at hand: as at the last end of an iteration, with the moves since.
+    /// The contour before the current event: as at the last end of an iteration, with the moves since.
     fn contour(&self, at: &At<'_, Self>) -> Vec<Point> {
         let mut points = Vec::new();
         for event in &at.events[..at.events.len().saturating_sub(1)] {
@@ -160,7 +166,7 @@ impl GreedyContour {
         points
     }
 
-    fn tested(&self, step: Step, test: &Test) -> Step {
+    fn tell_test(&self, step: Step, test: &Test) -> Step {
         let (from, to, side) = (test.site.at, self.chosen(test), self.side());
         let Terms { continuity, curvature, edge, total } = self.lowest(test);
         let parts = [(value::CONTINUITY, continuity), (value::CURVATURE, curvature), (value::EDGE, edge)];
@@ -184,7 +190,7 @@ impl GreedyContour {
         )
     }
 
-    fn passed(&self, step: Step, pass: &Pass) -> Step {
+    fn tell_pass(&self, step: Step, pass: &Pass) -> Step {
         let step = step.fact(shared::ITERATION, pass.number).fact(value::MOVES, pass.moved);
         let step = step.fact(value::CORNERS, pass.corners.len()).fact(value::DISTANCE, pass.distance);
         let step = step.fact(value::ENERGY_SUM, pass.sums.total).put(value::MAX_MOVED, self.max_moved);
@@ -199,22 +205,17 @@ impl GreedyContour {
     /// The energies of the neighbourhood.
     fn tiles(&self, test: &Test) -> Vec<Tile> {
         let (side, terms) = (self.side(), self.terms(test));
-        let tile = |label, role, range, of: fn(&Terms) -> f64| Tile {
-            label,
-            role,
-            values: Grid::from_fn(side, side, |x, y| {
-                terms[y * side + x].as_ref().map_or(f32::NAN, |terms| of(terms) as f32)
-            }),
-            range,
-            framed: Vec::new(),
+        let tile = |label, role, range, of: fn(&Terms) -> f64| {
+            let value = |x: usize, y: usize| terms[y * side + x].as_ref().map_or(f32::NAN, |terms| of(terms) as f32);
+            Tile::new(label, Grid::from_fn(side, side, value), range).with_role(role)
         };
         let most = (self.alpha + self.beta).max(0.01);
         let total = [-self.edge_weight, most];
         vec![
-            tile("continuity", Some(Role::Predicted), [0.0, 1.0], |of| of.continuity),
-            tile("curvature", Some(Role::Window), [0.0, 1.0], |of| of.curvature),
-            tile("edge", Some(Role::Measured), [-1.0, 0.0], |of| of.edge),
-            tile("energy", Some(Role::Best), total, |of| of.total),
+            tile("continuity", Role::Predicted, [0.0, 1.0], |of| of.continuity),
+            tile("curvature", Role::Window, [0.0, 1.0], |of| of.curvature),
+            tile("edge", Role::Measured, [-1.0, 0.0], |of| of.edge),
+            tile("energy", Role::Best, total, |of| of.total),
         ]
     }
 
@@ -231,18 +232,18 @@ impl GreedyContour {
             (name, role, all.iter().map(|pass| [pass.number as f32, of(&pass.sums) as f32]).collect())
         };
         Readout::Series(Series {
-            title: "Energies at the chosen pixels",
-            x_label: "iteration",
-            y_label: "energy",
-            x_max: self.iterations,
             events,
-            lines: vec![
-                line("total", Role::Estimate, |of| of.total),
-                line("edge", Role::Measured, |of| of.edge),
-                line("continuity", Role::Predicted, |of| of.continuity),
-                line("curvature", Role::Window, |of| of.curvature),
-            ],
-            ..Series::default()
+            ..Series::new(
+                "Energies at the chosen pixels",
+                ["iteration", "energy"],
+                self.iterations,
+                vec![
+                    line("total", Role::Estimate, |of| of.total),
+                    line("edge", Role::Measured, |of| of.edge),
+                    line("continuity", Role::Predicted, |of| of.continuity),
+                    line("curvature", Role::Window, |of| of.curvature),
+                ],
+            )
         })
     }
 }

@@ -47,10 +47,10 @@ impl Explained for MeanShift {
                     None => step.say(shared::END),
                 };
                 let step = step.say(case::WEIGHT).formula(r"w_i = \sqrt{\frac{q_u}{p_u}}");
-                charted(at, (frame, shift, false), step.formula(format!("{COEFFICIENT} = {{coefficient}}")))
+                add_charts(step.formula(format!("{COEFFICIENT} = {{coefficient}}")), at, frame, shift, false)
             }
             Event::Shifted(frame, shift) => {
-                charted(at, (frame, shift, true), self.shifted(put_shift(step, shift), shift))
+                add_charts(self.tell_shift(put_shift(step, shift), shift), at, frame, shift, true)
             }
             Event::Scaled(scaled) => {
                 let (trials, best, region) = &**scaled;
@@ -95,8 +95,7 @@ impl Explained for MeanShift {
         let arrow = |shift: &Shift| Some(Arrow { from: shift.from.center, to: shift.to? });
         let arrows: Vec<_> = of_trial.filter_map(arrow).collect();
         if !arrows.is_empty() {
-            scene.mark(Picture::CURRENT, Role::Predicted, Shape::Arrows(arrows));
-            scene.legend(Role::Predicted, "shifts");
+            scene.draw(Picture::CURRENT, (Role::Predicted, "shifts"), Shape::Arrows(arrows));
         }
         if let (true, Some(to)) = (is_shift, shift.to) {
             plots::ellipse(scene, (Role::Best, "shifted ellipse"), shift.from.at(to));
@@ -112,9 +111,9 @@ impl Explained for MeanShift {
     fn tell_loss(&self, at: &At<'_, Self>, step: Step) -> Step {
         let is_empty = at.events.iter().any(|event| matches!(event, Event::Shifted(_, shift) if shift.to.is_none()));
         let Some(model) = at.model.filter(|_| !is_empty) else { return step.say_if(is_empty, case::LOST_COLOURS) };
-        let least = self.least(model);
-        let step = step.put(value::MIN_COEFFICIENT, least).put(value::MIN_SHARE, 100.0 * self.min_similarity);
-        step.say_if(found(at).is_some_and(|coefficient| coefficient < least), case::LOW_COEFFICIENT)
+        let step =
+            step.put(value::MIN_COEFFICIENT, self.least(model)).put(value::MIN_SHARE, 100.0 * self.min_similarity);
+        step.say(case::LOW_COEFFICIENT)
     }
 
     fn advise(&self, ending: Ending, _at: &At<'_, Self>, step: Step) -> Step {
@@ -131,12 +130,12 @@ impl Explained for MeanShift {
 }
 
 impl MeanShift {
-    fn shifted(&self, step: Step, shift: &Shift) -> Step {
+    fn tell_shift(&self, step: Step, shift: &Shift) -> Step {
         let Some(to) = shift.to else { return step.say(case::NO_WEIGHT) };
         let step =
             step.put(value::MEAN, to).put(value::SHIFT_LENGTH, shift.length()).put(value::SHIFTS, shift.iteration);
         let step = step.put(value::EPSILON, self.epsilon).put(value::ITERATIONS, self.iterations).say(case::SHIFTED);
-        let step = step.say(if shift.length() < self.epsilon {
+        let step = step.say(if self.has_converged(shift) {
             case::CONVERGED
         } else if shift.iteration == self.iterations {
             case::EXHAUSTED
@@ -161,7 +160,6 @@ fn found(at: &At<'_, MeanShift>) -> Option<f32> {
     }
 }
 
-/// The shift of a number in a trial of the frame.
 fn last<'a>(at: &At<'a, MeanShift>, trial: usize, iteration: usize) -> Option<&'a Shift> {
     at.events.iter().find_map(|event| match event {
         Event::Shifted(_, shift) if (shift.trial, shift.iteration) == (trial, iteration) => Some(shift),
@@ -169,8 +167,7 @@ fn last<'a>(at: &At<'a, MeanShift>, trial: usize, iteration: usize) -> Option<&'
     })
 }
 
-/// Adds the charts of a shift.
-fn charted(at: &At<'_, MeanShift>, (frame, shift, is_shift): (&Frame, &Shift, bool), step: Step) -> Step {
+fn add_charts(step: Step, at: &At<'_, MeanShift>, frame: &Frame, shift: &Shift, is_shift: bool) -> Step {
     let Some(model) = at.model.map(|model| &model.histogram) else { return step };
     let mut search = Search::new(model, frame);
     search.weigh(shift.from);
@@ -182,13 +179,13 @@ fn charted(at: &At<'_, MeanShift>, (frame, shift, is_shift): (&Frame, &Shift, bo
         .map(|shift| [shift.iteration as f32, shift.similarity])
         .collect();
     let series = Series {
-        title: "Bhattacharyya coefficient of the shifts",
-        x_label: "shift",
-        y_label: "ρ",
-        x_max: values.len(),
-        lines: vec![("ρ", Role::Candidate, values)],
         fits_values: true,
-        ..Series::default()
+        ..Series::new(
+            "Bhattacharyya coefficient of the shifts",
+            ["shift", "ρ"],
+            values.len(),
+            vec![("ρ", Role::Candidate, values)],
+        )
     };
     step.show_all((series.x_max > 1).then_some(Readout::Series(series)))
 }

@@ -20,13 +20,13 @@ impl ParticleFilter {
         let values: Vec<_> = past.iter().copied().chain(now).enumerate().map(|(i, v)| [(i + 1) as f32, v]).collect();
         (values.len() > 1).then(|| {
             Readout::Series(Series {
-                title: "Effective sample size",
-                x_label: "frames since the start",
-                y_label: "particles",
-                x_max: values.len(),
-                lines: vec![("effective sample size", Role::Measured, values)],
                 thresholds: vec![("resampling".into(), self.resample_below * self.particles as f32)],
-                ..Series::default()
+                ..Series::new(
+                    "Effective sample size",
+                    ["frames since the start", "particles"],
+                    values.len(),
+                    vec![("effective sample size", Role::Measured, values)],
+                )
             })
         })
     }
@@ -37,7 +37,7 @@ pub(super) fn weights(particles: &[Particle], copies: Option<&[u32]>) -> Series 
     let count = particles.len();
     let mut order: Vec<usize> = (0..count).collect();
     order.sort_by(|a, b| particles[*b].weight.total_cmp(&particles[*a].weight).then(a.cmp(b)));
-    // As many as have an expectation that can be seen.
+    // Only ranks whose expected number can be seen.
     let seen = order.iter().take_while(|i| particles[**i].weight * count as f32 > 0.01).count().clamp(1, count);
     let order = &order[..seen];
     let expected = plots::bars(order.iter().map(|i| particles[*i].weight * count as f32));

@@ -16,12 +16,12 @@ const RADIUS_PX: [f32; 3] = [1.5, 0.4, 8.0];
 /// The share of the particles inside the drawn ellipse, if they are normally distributed.
 const CONFIDENCE: f64 = 0.95;
 
-/// A cloud is impoverished if fewer than one in so many of its particles are distinct.
+/// A cloud is impoverished if fewer than one in this many of its particles are distinct.
 const POOR: usize = 10;
 
 impl Explained for ParticleFilter {
     fn step(&self, at: &At<'_, Self>, step: Step) -> Step {
-        let step = self.told(at, step);
+        let step = self.tell_event(at, step);
         let density = particles(at.event).map(|particles| Readout::Landscape(density(particles)));
         step.show_all(self.sizes(at)).show_all(density)
     }
@@ -40,8 +40,7 @@ impl Explained for ParticleFilter {
                 circles(scene, particles);
                 let center = estimate.at.map(f64::from);
                 if let Some(shape) = kalman::ellipse(center, estimate.covariance, CONFIDENCE) {
-                    scene.mark(Picture::CURRENT, Role::Estimate, shape);
-                    scene.legend(Role::Estimate, "estimate with 95 % ellipse");
+                    scene.draw(Picture::CURRENT, (Role::Estimate, "estimate with 95 % ellipse"), shape);
                 }
                 let size = at.model.map_or(at.region.size, |model| model.size).map(|side| side * estimate.scale);
                 let Region { angle_rad, .. } = at.region;
@@ -70,7 +69,7 @@ impl Explained for ParticleFilter {
 }
 
 impl ParticleFilter {
-    fn told(&self, at: &At<'_, Self>, step: Step) -> Step {
+    fn tell_event(&self, at: &At<'_, Self>, step: Step) -> Step {
         match at.event {
             Event::Modelled(histogram) => {
                 let step = plots::put_bins(step, histogram).say(case::MODELLED);
@@ -80,14 +79,15 @@ impl ParticleFilter {
                 let chart = plots::histograms("Colour histogram", axes, vec![("model q", Role::Reference, line)]);
                 step.say_if(histogram.is_flat(), shared::FLAT).show(Readout::Series(chart))
             }
-            Event::Scattered(particles) => spread(step, particles).say(case::SCATTERED),
+            Event::Scattered(particles) => put_spread(step, particles).say(case::SCATTERED),
             Event::Predicted(particles) => {
-                let step = spread(step, particles).put(value::PROCESS_NOISE, self.process_noise).say(case::PREDICTED);
+                let step =
+                    put_spread(step, particles).put(value::PROCESS_NOISE, self.process_noise).say(case::PREDICTED);
                 step.formula(r"\mathbf{x} \gets \mathbf{x} + \mathbf{v} + \frac{1}{2} \mathbf{a}, \; \mathbf{v} \gets \mathbf{v} + \mathbf{a}")
             }
             Event::Weighed(weighed) => {
                 let step = self
-                    .weighed(step, weighed)
+                    .tell_weights(step, weighed)
                     .formula(r"w \gets w \cdot e^{-\lambda (1 - \rho)} = w \cdot e^{-{lambda} (1 - \rho)}");
                 step.show(Readout::Series(weights(&weighed.particles, None)))
             }
@@ -99,18 +99,18 @@ impl ParticleFilter {
                 step.show(Readout::Series(weights(particles, None)))
             }
             Event::Counted(particles, effective) => {
-                let limit = self.resample_below * particles.len() as f32;
+                let limit = self.least_effective(particles);
                 let step = step.fact(value::EFFECTIVE, *effective).fact(value::PARTICLES, particles.len());
                 let step = step.put(value::LIMIT, limit).say(case::COUNTED);
                 let step = step.say(if *effective < limit { case::DEGENERATE } else { case::KEPT });
                 let step = step.formula(r"N_{\text{eff}} = \frac{1}{\sum_i w_i^2} = {effective}");
                 step.show(Readout::Series(weights(particles, None)))
             }
-            Event::Resampled(resampled) => self.resampled(step, resampled),
+            Event::Resampled(resampled) => self.tell_resampling(step, resampled),
         }
     }
 
-    fn weighed(&self, step: Step, weighed: &Weighed) -> Step {
+    fn tell_weights(&self, step: Step, weighed: &Weighed) -> Step {
         let Weighed { particles, coefficients, outside, is_weighted } = weighed;
         let step = step.fact(value::OUTSIDE, *outside).put(value::PARTICLES, particles.len());
         let step = step.put(value::LAMBDA, self.lambda);
@@ -124,7 +124,7 @@ impl ParticleFilter {
         step.put(value::LIKELIHOOD_RATIO, ratio).say_if(*outside > 0, case::SOME_OUTSIDE).say(case::LIKELIHOOD_RATIO)
     }
 
-    fn resampled(&self, step: Step, resampled: &Resampled) -> Step {
+    fn tell_resampling(&self, step: Step, resampled: &Resampled) -> Step {
         let Resampled { before, copies, .. } = resampled;
         let distinct = copies.iter().filter(|copies| **copies > 0).count();
         let step = step.fact(value::DISTINCT, distinct).put(value::PARTICLES, copies.len());
@@ -145,7 +145,7 @@ fn deviations(estimate: &Estimate) -> [f64; 2] {
 }
 
 /// Puts the number and the standard deviations of particles of equal weight.
-fn spread(step: Step, particles: &[Particle]) -> Step {
+fn put_spread(step: Step, particles: &[Particle]) -> Step {
     step.put(value::PARTICLES, particles.len()).put(value::DEVIATIONS, deviations(&Estimate::of(particles, &[])))
 }
 
@@ -178,8 +178,7 @@ fn particles(event: &Event) -> Option<&[Particle]> {
 /// Draws particles as points.
 fn dots(scene: &mut Scene, (role, meaning): (Role, &'static str), particles: &[Particle]) {
     let places = particles.iter().map(|particle| particle.at).collect();
-    scene.mark(Picture::CURRENT, role, Shape::Points(places));
-    scene.legend(role, meaning);
+    scene.draw(Picture::CURRENT, (role, meaning), Shape::Points(places));
 }
 
 /// Draws the mean displacement of the particles by the prediction.
@@ -187,8 +186,7 @@ fn moves(scene: &mut Scene, at: &At<'_, ParticleFilter>, particles: &[Particle])
     let Some(model) = at.model else { return };
     let mean = |all: &[Particle]| Estimate::of(all, &[]).at;
     let (from, to) = (mean(&model.particles), mean(particles));
-    scene.mark(Picture::CURRENT, Role::Result, Shape::Arrows(vec![Arrow { from, to }]));
-    scene.legend(Role::Result, "path of the region");
+    scene.draw(Picture::CURRENT, (Role::Result, "path of the region"), Shape::Arrows(vec![Arrow { from, to }]));
 }
 
 /// Draws particles as circles whose areas are their weights, the lightest of very many as points.
@@ -197,13 +195,12 @@ fn circles(scene: &mut Scene, particles: &[Particle]) {
     let (heavy, light) = order.split_at(CIRCLES.min(order.len()));
     if !light.is_empty() {
         let places = light.iter().map(|particle| particle.at).collect();
-        scene.mark(Picture::CURRENT, Role::Rejected, Shape::Points(places));
-        scene.legend(Role::Rejected, "particles of the least weight");
+        scene.draw(Picture::CURRENT, (Role::Rejected, "particles of the least weight"), Shape::Points(places));
     }
     let [mean, least, most] = RADIUS_PX;
     for particle in heavy.iter().rev() {
         let radius = (mean * (particle.weight * particles.len() as f32).sqrt()).clamp(least, most);
-        let shape = Shape::Ellipse { center: particle.at, radii: [radius; 2], angle_rad: 0.0 };
+        let shape = Shape::circle(particle.at, radius);
         scene.mark(Picture::CURRENT, Role::Candidate, shape);
     }
     scene.legend(Role::Candidate, "particles, area by weight");

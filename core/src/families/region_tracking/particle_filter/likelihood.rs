@@ -71,7 +71,7 @@ pub struct Meter<'a> {
 struct Lane {
     /// Number of pixels in each bin; 0 between ellipses.
     counts: Vec<u8>,
-    /// The pixels of the ellipse at hand.
+    /// The pixels of the current ellipse.
     positions: Vec<u32>,
     /// Their bins, as many as are found.
     seen: Vec<u16>,

@@ -51,8 +51,8 @@ pub struct Past {
 
 impl From<&Judged> for Past {
     fn from(judged: &Judged) -> Self {
-        let Judged { share, residual_px, is_lost, is_kept, .. } = *judged;
-        Self { pose: is_kept.then_some(judged.view.pose), share, residual_px, is_lost }
+        let Judged { share, residual_px, loss, .. } = *judged;
+        Self { pose: judged.is_kept().then_some(judged.view.pose), share, residual_px, is_lost: loss.is_some() }
     }
 }
 
@@ -60,7 +60,7 @@ impl From<&Judged> for Past {
 #[derive(Clone, Copy, Debug)]
 pub struct Count {
     frames: usize,
-    /// Those with a wrong pose, and those of them that are not reported as lost.
+    /// Frames with a wrong pose, and those of them that are not reported as lost.
     wrong: usize,
     unreported: usize,
 }
@@ -96,7 +96,7 @@ impl Count {
     }
 }
 
-/// Tells what all frames of a run show; `truth` has the true poses by the index of their frame, where they are known.
+/// Summarises all frames of a run; `truth` has the true poses by the index of their frame, where they are known.
 pub fn tell(step: Step, all: &[Past], truth: impl Fn(usize) -> Option<Pose>) -> Step {
     match Count::of(all, truth) {
         Some(count) => count.tell(step),

@@ -3,7 +3,7 @@
 use super::account::{Count, Past, PoseError, length, tell};
 use super::fit::{FREEDOM, Sought, matched};
 use super::vocabulary::{case, value};
-use super::{End, Event, Iteration, Judged, Model, Motion, Prediction, Rapid, Solid, View, Weighting};
+use super::{Cause, End, Event, Iteration, Judged, Model, Motion, Prediction, Rapid, Solid, View, Weighting};
 use crate::data::Pose;
 use crate::geometry::{Bounds, Grid};
 use crate::methods::region::vocabulary::case as shared;
@@ -51,8 +51,8 @@ impl Explained for Rapid {
                     pose_matrix("predicted pose", Role::Predicted, &after.pose),
                 ]))
             }
-            Event::Iterated(iteration) => self.iterated(step, iteration),
-            Event::Judged(judged) => self.judged(step, judged, error(at)),
+            Event::Iterated(iteration) => self.tell_iteration(step, iteration),
+            Event::Judged(judged) => self.tell_verdict(step, judged, error(at)),
         };
         step.show_all(distances(at).map(Readout::Series))
     }
@@ -97,8 +97,8 @@ impl Explained for Rapid {
 
     fn tell_loss(&self, at: &At<'_, Self>, step: Step) -> Step {
         let Event::Judged(judged) = at.event else { return step };
-        match self.loss(judged) {
-            Some([_, why]) => step.say(why),
+        match judged.loss {
+            Some(cause) => step.say(cause.cases()[1]),
             None => step,
         }
     }
@@ -131,9 +131,9 @@ impl Explained for Rapid {
 }
 
 impl Rapid {
-    fn iterated(&self, step: Step, iteration: &Iteration) -> Step {
+    fn tell_iteration(&self, step: Step, iteration: &Iteration) -> Step {
         let (equations, view) = (&iteration.equations, &iteration.view);
-        let step = self.searched(step.fact(value::ITERATION, iteration.number), &iteration.sought);
+        let step = self.put_search(step.fact(value::ITERATION, iteration.number), &iteration.sought);
         let rms = (equations.edges > 0).then_some(equations.rms);
         let step = step.fact_if(value::RMS, rms).say(if rms.is_some() { case::SEARCHED } else { case::NO_EDGES });
         let (weight, normal) = (self.weight(), self.normal_matrix(view));
@@ -141,7 +141,7 @@ impl Rapid {
         // Parameters in units that move control points alike: degrees and centimetres.
         let unit = |i: usize| if i < 3 { 1f64.to_radians() } else { 0.01 };
         let entry = |x: usize, y: usize| equations.matrix[y * FREEDOM + x] * unit(x) * unit(y);
-        let matrix = of_parameters(("C", "normal matrix, in px² per ° and cm"), Role::Measured, entry);
+        let matrix = of_parameters("C", "normal matrix, in px² per ° and cm", entry).with_role(Role::Measured);
         let Some((motion, pose, moved)) = &iteration.moved else {
             return step.say(case::UNDETERMINED).formula(formula).show(Readout::Matrices(vec![matrix]));
         };
@@ -161,25 +161,25 @@ impl Rapid {
         step.formula(formula).show(Readout::Matrices(vec![matrix, pose]))
     }
 
-    fn judged(&self, step: Step, judged: &Judged, error: Option<PoseError>) -> Step {
+    fn tell_verdict(&self, step: Step, judged: &Judged, error: Option<PoseError>) -> Step {
         let residual = if judged.residual_px.is_nan() {
             value::RESIDUAL.is("undefined: no edge was found")
         } else {
             value::RESIDUAL.is(judged.residual_px)
         };
         let step = pose_facts(step, Role::Estimate, &judged.view.pose).fact_of(residual);
-        let step = self.searched(step, &judged.sought).say(case::POSE);
+        let step = self.put_search(step, &judged.sought).say(case::POSE);
         let mut matrices = vec![pose_matrix("pose of the model", Role::Estimate, &judged.view.pose)];
         matrices.extend(judged.covariance.as_deref().map(covariance_matrix));
         let step = match &judged.covariance {
-            Some(covariance) => deviated(step, covariance),
+            Some(covariance) => put_deviations(step, covariance),
             None => step,
         };
         let step = step.fact_if(value::AXIS, judged.view.sight().axis.map(|_| "held"));
         let step = step.put(value::SHARE, judged.share).put(value::MIN_SHARE, self.min_share);
         let step = step.put(value::MAX_RESIDUAL, self.max_residual);
-        let step = match self.loss(judged) {
-            Some([told, _]) => step.say(told),
+        let step = match judged.loss {
+            Some(cause) => step.say(cause.cases()[0]),
             None => step,
         };
         let step = match error {
@@ -191,19 +191,9 @@ impl Rapid {
     }
 
     /// Adds the control points with an edge.
-    fn searched(&self, step: Step, sought: &[Sought]) -> Step {
+    fn put_search(&self, step: Step, sought: &[Sought]) -> Step {
         let step = step.put(value::CONTROL_POINTS, sought.len()).put(value::SEARCH_RANGE, self.search_range);
         step.fact_as(value::MATCHED.is(matched(sought)), case::MATCHED)
-    }
-
-    /// Why a pose is lost, if it is: as a sentence, and as a clause.
-    fn loss(&self, judged: &Judged) -> Option<[&'static Case; 2]> {
-        judged.is_lost.then(|| match judged.covariance {
-            None => [case::LOST_UNDETERMINED, case::WHY_UNDETERMINED],
-            Some(_) if judged.is_kept => [case::LOST_FIT, case::WHY_FIT],
-            Some(_) if judged.share >= f64::from(self.min_share) => [case::LOST_BEHIND, case::WHY_BEHIND],
-            Some(_) => [case::LOST_EDGES, case::WHY_EDGES],
-        })
     }
 
     /// The weight of an edge, where the weights are robust.
@@ -221,6 +211,18 @@ impl Rapid {
     }
 }
 
+impl Cause {
+    /// The cause as a sentence, and as a clause.
+    fn cases(self) -> [&'static Case; 2] {
+        match self {
+            Self::Undetermined => [case::LOST_UNDETERMINED, case::WHY_UNDETERMINED],
+            Self::Edges => [case::LOST_EDGES, case::WHY_EDGES],
+            Self::Behind => [case::LOST_BEHIND, case::WHY_BEHIND],
+            Self::Fit => [case::LOST_FIT, case::WHY_FIT],
+        }
+    }
+}
+
 /// Adds the angles and the place of a model.
 fn pose_facts(step: Step, role: Role, pose: &Pose) -> Step {
     let angles = angles(pose).map(f64::to_degrees);
@@ -230,20 +232,17 @@ fn pose_facts(step: Step, role: Role, pose: &Pose) -> Step {
     step.fact_of(value::TRANSLATION.is(pose.translation).inked(role))
 }
 
-/// Adds the angle and the translation of a motion.
 fn put_motion(step: Step, role: Role, [rotation, shift]: &Motion) -> Step {
     let step = step.put_value(value::ROTATION.is(length(*rotation).to_degrees()).inked(role));
     step.put_value(value::SHIFT.is(*shift).inked(role))
 }
 
-/// Adds the errors of a pose.
 fn put_error(step: Step, error: &PoseError) -> Step {
     let step = step.put(value::ROTATION_ERROR, error.degrees).put(value::TRANSLATION_ERROR, error.mm);
     step.put(value::ERROR_SHARE, 100.0 * error.share)
 }
 
-/// Adds the standard deviations of a pose.
-fn deviated(step: Step, covariance: &[f64]) -> Step {
+fn put_deviations(step: Step, covariance: &[f64]) -> Step {
     let [a, b, c, x, y, z] = deviations(covariance);
     let [x, y, z] = [x, y, z].map(|m| 1000.0 * m);
     let step = step.fact(value::ROTATION_SIGMA, [a, b, c].map(f64::to_degrees));
@@ -258,7 +257,7 @@ fn error(at: &At<'_, Rapid>) -> Option<PoseError> {
     Some(PoseError::of(&judged.view.pose, &at.pose?))
 }
 
-/// The judgements of all frames up to the one at hand.
+/// The judgements of all frames up to the current one.
 fn past(at: &At<'_, Rapid>) -> Vec<Past> {
     let before = at.model.into_iter().flat_map(|model| model.past.iter().copied());
     let now = if let Event::Judged(judged) = at.event { Some(Past::from(&**judged)) } else { None };
@@ -267,41 +266,21 @@ fn past(at: &At<'_, Rapid>) -> Vec<Past> {
 
 fn pose_matrix(name: &'static str, role: Role, pose: &Pose) -> Matrix {
     let entry = |x: usize, y: usize| if x < 3 { pose.rotation[y][x] } else { pose.translation[y] };
-    Matrix {
-        symbol: "[R T]",
-        name,
-        role: Some(role),
-        entries: Grid::from_fn(4, 3, entry),
-        rows: ["X", "Y", "Z"].map(String::from).to_vec(),
-        columns: ["X", "Y", "Z", "T in m"].map(String::from).to_vec(),
-        changed: None,
-        decimals: Some(3),
-    }
+    let matrix = Matrix::new("[R T]", name, Grid::from_fn(4, 3, entry)).with_role(role).with_decimals(3);
+    matrix.with_rows(["X", "Y", "Z"]).with_columns(["X", "Y", "Z", "T in m"])
 }
 
 /// A square matrix of the six parameters.
-fn of_parameters(
-    (symbol, name): (&'static str, &'static str),
-    role: Role,
-    entry: impl Fn(usize, usize) -> f64,
-) -> Matrix {
-    Matrix {
-        symbol,
-        name,
-        role: Some(role),
-        entries: Grid::from_fn(FREEDOM, FREEDOM, entry),
-        rows: PARAMETERS.map(String::from).to_vec(),
-        columns: PARAMETERS.map(String::from).to_vec(),
-        changed: None,
-        decimals: Some(2),
-    }
+fn of_parameters(symbol: &'static str, name: &'static str, entry: impl Fn(usize, usize) -> f64) -> Matrix {
+    let matrix = Matrix::new(symbol, name, Grid::from_fn(FREEDOM, FREEDOM, entry)).with_decimals(2);
+    matrix.with_rows(PARAMETERS).with_columns(PARAMETERS)
 }
 
 /// The covariance in degrees and millimetres.
 fn covariance_matrix(entries: &[f64]) -> Matrix {
     let unit = |i: usize| if i < 3 { 1f64.to_degrees() } else { 1000.0 };
     let entry = |x: usize, y: usize| entries[y * FREEDOM + x] * unit(x) * unit(y);
-    of_parameters(("P", "covariance of the pose, in ° and mm"), Role::Estimate, entry)
+    of_parameters("P", "covariance of the pose, in ° and mm", entry).with_role(Role::Estimate)
 }
 
 /// The distances of the edges over the iterations of the frame so far.
@@ -313,20 +292,20 @@ fn distances(at: &At<'_, Rapid>) -> Option<Series> {
     let all: Vec<_> = at.events.iter().enumerate().filter_map(of).collect();
     let x_max = all.len();
     (x_max > 1).then(|| Series {
-        title: "Distance of the edges",
-        x_label: "iteration",
-        y_label: "px",
-        x_max,
         events: all.iter().map(|(event, _)| *event).collect(),
-        lines: vec![("RMS", Role::Error, all.iter().map(|(_, point)| *point).collect())],
-        ..Series::default()
+        ..Series::new(
+            "Distance of the edges",
+            ["iteration", "px"],
+            x_max,
+            vec![("RMS", Role::Error, all.iter().map(|(_, point)| *point).collect())],
+        )
     })
 }
 
 /// Draws the visible edges of a model.
 fn wireframe(scene: &mut Scene, (role, meaning): (Role, &'static str), view: &View) {
     for edge in view.wireframe.outline(&view.camera, &view.pose) {
-        scene.mark(Picture::CURRENT, role, Shape::Path { points: edge.to_vec(), closed: false });
+        scene.mark(Picture::CURRENT, role, Shape::line(edge.to_vec()));
     }
     scene.legend(role, meaning);
 }
@@ -335,11 +314,13 @@ fn wireframe(scene: &mut Scene, (role, meaning): (Role, &'static str), view: &Vi
 fn searches(scene: &mut Scene, sought: &[Sought]) {
     let place = |at: [f64; 2]| at.map(|c| c as f32);
     let arrow = |s: &Sought| Some(Arrow { from: place(s.control.at), to: place(s.found()?) });
-    scene.mark(Picture::CURRENT, Role::Measured, Shape::Arrows(sought.iter().filter_map(arrow).collect()));
-    scene.legend(Role::Measured, "from control point to edge");
+    scene.draw(
+        Picture::CURRENT,
+        (Role::Measured, "from control point to edge"),
+        Shape::Arrows(sought.iter().filter_map(arrow).collect()),
+    );
     let missed: Vec<_> = sought.iter().filter(|s| s.edge.is_none()).map(|s| place(s.control.at)).collect();
     if !missed.is_empty() {
-        scene.mark(Picture::CURRENT, Role::Error, Shape::Points(missed));
-        scene.legend(Role::Error, "control point without an edge");
+        scene.draw(Picture::CURRENT, (Role::Error, "control point without an edge"), Shape::Points(missed));
     }
 }

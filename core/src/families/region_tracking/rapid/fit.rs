@@ -37,7 +37,7 @@ pub fn matched(all: &[Sought]) -> usize {
     all.iter().filter(|sought| sought.edge.is_some()).count()
 }
 
-/// How a model is seen: by a camera, and with an axis about which a rotation changes nothing.
+/// The view of a model: a camera, and an axis about which a rotation changes nothing.
 #[derive(Clone, Copy, Debug)]
 pub struct Sight {
     pub camera: Camera,
@@ -64,7 +64,7 @@ impl View {
         self.wireframe.bounds(&self.camera, &self.pose)
     }
 
-    /// How the model is seen in its pose.
+    /// The view of the model in its pose.
     pub fn sight(&self) -> Sight {
         Sight { camera: self.camera, axis: self.wireframe.axis().map(|axis| self.pose.turned(axis)) }
     }
@@ -271,7 +271,7 @@ mod tests {
         hold(&mut covariance, axis);
         let times = |i: usize| (0..3).map(|j| covariance[i * FREEDOM + j] * axis[j]).sum::<f64>();
         assert!((0..FREEDOM).all(|i| times(i).abs() < 1e-12), "{covariance:?}");
-        // What is across the axis stays.
+        // The part perpendicular to the axis is unchanged.
         assert_eq!([covariance[FREEDOM + 1], covariance[5 * FREEDOM + 5]], [2.0; 2]);
     }
 

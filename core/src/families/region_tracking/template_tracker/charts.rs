@@ -30,7 +30,7 @@ impl TemplateTracker {
         let first = path.first().copied().unwrap_or_else(|| position(&iteration.before));
         let reach = REACH_PX * (1u32 << iteration.level) as f32;
         let names = ("RMS difference", "gray levels");
-        shifted(names, (&iteration.before, first, reach), level.pixels.cells().len(), error).with_trail(path)
+        shifted(names, &iteration.before, first, reach, level.pixels.cells().len(), error).with_trail(path)
     }
 
     /// The correlation where the warp of an alignment is shifted, with the contour below which the object is lost.
@@ -38,7 +38,7 @@ impl TemplateTracker {
         let level = &judged.template.levels[0];
         let (place, each) = (position(&judged.warp), level.pixels.cells().len());
         let correlation = |warp: &Matrix3| level.correlation(&judged.frame[0], warp);
-        let surface = shifted(("ρ", ""), (&judged.warp, place, REACH_PX), each, correlation);
+        let surface = shifted(("ρ", ""), &judged.warp, place, REACH_PX, each, correlation);
         Surface { is_similarity: true, best: Some([0; 2]), contour: Some(self.min_correlation), ..surface }
     }
 }
@@ -50,7 +50,7 @@ impl Iteration {
     }
 }
 
-/// Where a warp has the middle of the template, in px of the picture.
+/// The position to which a warp maps the middle of the template, in px of the picture.
 fn position(warp: &Matrix3) -> [f32; 2] {
     [warp[0][2] as f32, warp[1][2] as f32]
 }
@@ -59,7 +59,9 @@ fn position(warp: &Matrix3) -> [f32; 2] {
 /// `center`. `value` gives it with the share inside the frame; it is missing where that is too small.
 fn shifted(
     names: (&'static str, &'static str),
-    (warp, center, reach): (&Matrix3, [f32; 2], f32),
+    warp: &Matrix3,
+    center: [f32; 2],
+    reach: f32,
     each: usize,
     value: impl Fn(&Matrix3) -> (f64, f64),
 ) -> Surface {
@@ -84,13 +86,7 @@ pub fn tiles(
 }
 
 pub fn template_tile(label: &'static str, template: &Template) -> Tile {
-    Tile {
-        label,
-        role: Some(Role::Reference),
-        values: template.levels[0].pixels.clone(),
-        range: [0.0, 255.0],
-        framed: Vec::new(),
-    }
+    Tile::gray(label, template.levels[0].pixels.clone()).with_role(Role::Reference)
 }
 
 /// The errors of all iterations of the frame so far.
@@ -110,8 +106,7 @@ pub fn errors_of(at: &At<'_, TemplateTracker>) -> Option<Series> {
 
 /// Draws the outline of a template under a warp.
 pub fn path(scene: &mut Scene, (role, meaning): (Role, &'static str), (warp, size): (&Matrix3, (usize, usize))) {
-    scene.mark(Picture::CURRENT, role, Shape::Path { points: outline(warp, size), closed: true });
-    scene.legend(role, meaning);
+    scene.draw(Picture::CURRENT, (role, meaning), Shape::outline(outline(warp, size)));
 }
 
 /// Draws the absolute difference of frame and warped template.
@@ -132,8 +127,11 @@ pub fn heat(scene: &mut Scene, (frame, template): (&Pyramid, &Template), (level,
         let [x, y] = at.map(|c| c as f32);
         (Sampling::Bilinear.sample_inside(&of_level.pixels, u as f32, v as f32) - image.sample(x, y)).abs()
     });
-    scene.mark(Picture::CURRENT, Role::Error, Shape::Heat { origin: first.map(|c| c as f32), values });
-    scene.legend(Role::Error, "absolute difference after warping");
+    scene.draw(
+        Picture::CURRENT,
+        (Role::Error, "absolute difference after warping"),
+        Shape::Heat { origin: first.map(|c| c as f32), values },
+    );
     scene.heat = Some("gray levels");
 }
 

@@ -3,12 +3,12 @@
 use super::charts::{errors_of, heat, path, template_tile, tiles};
 use super::vocabulary::{case, value};
 use super::{
-    Correction, End, Event, Iteration, Judged, LEAST_OVERLAP, MOST_STRETCH, Model, Stretch, Template, TemplateTracker,
-    Update,
+    Cause, Correction, End, Event, Iteration, Judged, LEAST_OVERLAP, MOST_STRETCH, Model, Stretch, Template,
+    TemplateTracker, Update,
 };
-use crate::methods::alignment::explain::{hessian, parameters, steepest_descent, warp_matrix};
+use crate::methods::alignment::explain::{hessian, parameter_vectors, steepest_descent};
 use crate::methods::region::{At, Ending, Explained, Loss, Outcome};
-use crate::scene::{Case, Readout, Role, Scene, Step};
+use crate::scene::{Case, Matrix, Readout, Role, Scene, Step};
 
 /// The visible share of an object from which on nothing covers it: the rest are pixels at its outline.
 const VISIBLE: f64 = 0.97;
@@ -32,9 +32,9 @@ impl Explained for TemplateTracker {
                 .show(Readout::Tiles(tiles.collect()))
                 .show(Readout::Matrices(vec![hessian(group, &level.hessian)]))
             }
-            Event::Iterated(iteration) => self.iterated(at, iteration, step),
-            Event::Judged(judged) => self.judged(judged, step),
-            Event::Corrected(correction) => self.corrected(correction, step),
+            Event::Iterated(iteration) => self.tell_iteration(at, iteration, step),
+            Event::Judged(judged) => self.tell_verdict(judged, step),
+            Event::Corrected(correction) => self.tell_correction(correction, step),
             Event::Updated([before, after]) => {
                 let is_corrected = self.update == Update::Corrected;
                 let step = put_size(step, after).formula(r"T(x) \gets I(W(x))");
@@ -77,15 +77,15 @@ impl Explained for TemplateTracker {
     }
 
     fn tell_loss(&self, at: &At<'_, Self>, step: Step) -> Step {
-        let judged = at.events.iter().rev().find_map(|event| match event {
-            Event::Judged(judged) if judged.is_lost => Some(judged),
+        let loss = at.events.iter().rev().find_map(|event| match event {
+            Event::Judged(judged) => judged.loss,
             _ => None,
         });
-        match judged {
+        match loss {
             None => step,
-            Some(judged) if judged.overlap < LEAST_OVERLAP => step.say(case::LOST_OUTSIDE),
-            Some(judged) if judged.stretch.is_collapsed() => step.say(case::LOST_WARP),
-            Some(_) => step.say(case::LOST_CORRELATION),
+            Some(Cause::Outside) => step.say(case::LOST_OUTSIDE),
+            Some(Cause::Warp) => step.say(case::LOST_WARP),
+            Some(Cause::Correlation) => step.say(case::LOST_CORRELATION),
         }
     }
 
@@ -106,7 +106,7 @@ impl Explained for TemplateTracker {
     }
 }
 
-/// The cause of a loss, by what the truth says of its first frame.
+/// The cause of a loss, from the truth of its first frame.
 fn cause(loss: &Loss) -> &'static Case {
     match () {
         () if loss.is_leaving => case::LEAVING,
@@ -123,7 +123,7 @@ fn put_size(step: Step, template: &Template) -> Step {
 }
 
 impl TemplateTracker {
-    fn iterated(&self, at: &At<'_, Self>, iteration: &Iteration, step: Step) -> Step {
+    fn tell_iteration(&self, at: &At<'_, Self>, iteration: &Iteration, step: Step) -> Step {
         let Iteration { level, before, compared, moved, is_correction, .. } = iteration;
         let step = step.fact(value::LEVEL, *level).fact(value::ITERATION, iteration.number);
         let step =
@@ -140,12 +140,10 @@ impl TemplateTracker {
         });
         let mut matrices = Vec::new();
         if let Some(moved) = moved {
-            let group = self.warp.group();
-            matrices.push(parameters(group, ("b", "right-hand side", Role::Error), &compared.right));
-            matrices.push(parameters(group, ("Δp", "increment", Role::Estimate), &moved.parameters));
+            matrices.extend(parameter_vectors(self.warp.group(), &compared.right, &moved.parameters));
         }
         let warp = moved.as_ref().map_or(before, |moved| &moved.after);
-        matrices.push(warp_matrix(("W", "warp, px of the picture", Role::Result), warp));
+        matrices.push(Matrix::of_rows("W", "warp, px of the picture", warp).with_role(Role::Result));
         let label = if *is_correction { "template T₁" } else { "template T" };
         step.formula(
             r"\mathbf{H} \, \Delta p = \mathbf{b} = \sum_x \mathbf{D}^\top (I(W(x)) - T(x)), \quad W \gets W \text{ ∘ } W(\Delta p)^{-1}",
@@ -155,19 +153,20 @@ impl TemplateTracker {
         .show(Readout::Landscape(self.valley(at, iteration)))
     }
 
-    fn judged(&self, judged: &Judged, step: Step) -> Step {
+    fn tell_verdict(&self, judged: &Judged, step: Step) -> Step {
         let Stretch { largest, smallest, most } = judged.stretch;
         let step = step.fact(value::CORRELATION, judged.correlation).fact(value::INSIDE, 100.0 * judged.overlap);
         let step = step.put(value::MIN_INSIDE, 100.0 * LEAST_OVERLAP).put(value::MIN_CORRELATION, self.min_correlation);
         let step = step.put(value::SMALLEST, smallest).put(value::LARGEST, largest).put(value::MAX_RATIO, MOST_STRETCH);
         let step = step.put(value::MIN_STRETCH, 1.0 / most).put(value::MAX_STRETCH, most);
-        let step = if judged.overlap < LEAST_OVERLAP {
-            step.say(case::OUTSIDE)
-        } else if judged.stretch.is_collapsed() {
-            let limit = if judged.stretch.is_beyond() { case::BEYOND } else { case::UNEQUAL };
-            step.say(case::STRETCHED).say(limit).say(case::FAILED)
-        } else {
-            step.say(case::CORRELATED).say(if judged.is_lost { case::REJECTED } else { case::ACCEPTED })
+        let step = match judged.loss {
+            Some(Cause::Outside) => step.say(case::OUTSIDE),
+            Some(Cause::Warp) => {
+                let limit = if judged.stretch.is_beyond() { case::BEYOND } else { case::UNEQUAL };
+                step.say(case::STRETCHED).say(limit).say(case::FAILED)
+            }
+            Some(Cause::Correlation) => step.say(case::CORRELATED).say(case::REJECTED),
+            None => step.say(case::CORRELATED).say(case::ACCEPTED),
         };
         step.formula(
             r"\rho = \frac{\sum_x (I(W(x)) - \bar{I})(T(x) - \bar{T})}{\sqrt{\sum_x (I(W(x)) - \bar{I})^2 \, \sum_x (T(x) - \bar{T})^2}} = {correlation}",
@@ -176,7 +175,7 @@ impl TemplateTracker {
         .show(Readout::Tiles(tiles("template T", (&judged.frame, &judged.template), (0, &judged.warp))))
     }
 
-    fn corrected(&self, correction: &Correction, step: Step) -> Step {
+    fn tell_correction(&self, correction: &Correction, step: Step) -> Step {
         let [warp, corrected] = &correction.warps;
         let step = step.fact(value::DRIFT, correction.px).put(value::MAX_DRIFT, self.max_correction);
         let verdict = if correction.is_accepted { case::CORRECTED } else { case::NOT_CORRECTED };
@@ -185,8 +184,8 @@ impl TemplateTracker {
             .formula(r"\max_i |\text{W*}(x_i) - W(x_i)| = {drift:unit}")
             .show(Readout::Tiles(tiles("template T₁", (&correction.frame, &correction.first), (0, corrected))))
             .show(Readout::Matrices(vec![
-                warp_matrix(("W", "warp, px of the picture", Role::Predicted), warp),
-                warp_matrix(("W*", "warp of T₁, px of the picture", Role::Estimate), corrected),
+                Matrix::of_rows("W", "warp, px of the picture", warp).with_role(Role::Predicted),
+                Matrix::of_rows("W*", "warp of T₁, px of the picture", corrected).with_role(Role::Estimate),
             ]))
     }
 }

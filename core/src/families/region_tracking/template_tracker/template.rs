@@ -120,7 +120,6 @@ impl Template {
     }
 }
 
-/// The levels of a template with these sizes.
 fn cut(frame: &Pyramid, sizes: impl Iterator<Item = (usize, usize)>, warp: &Matrix3, group: Group) -> Vec<Level> {
     let levels = sizes.enumerate().zip(frame);
     levels.map(|((level, size), image)| Level::cut(image, (f64::from(1u32 << level), size), warp, group)).collect()

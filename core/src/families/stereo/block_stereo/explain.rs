@@ -1,11 +1,11 @@
-//! What block stereo tells and draws.
+//! The explanation and the drawing of block stereo.
 
 use super::{BlockStereo, Cost, Desk, Event, Fixed, State, line};
 use crate::cases;
 use crate::data::Disparity;
 use crate::geometry::{Border, Grid};
 use crate::methods::stereo::{
-    Curve, Kept, Pair, Verdict, concluded, draw_map, draw_match, measured, smallest, starting, value,
+    Curve, Kept, Pair, Verdict, conclude, draw_map, draw_match, put_depth, smallest, starting, value,
 };
 use crate::run::Seen;
 use crate::scene::{Readout, Role, Scene, Step, Tile};
@@ -52,21 +52,21 @@ impl BlockStereo {
         Pair { views: &fixed.views, pixel, reach: self.window, disparities: self.settings.disparities }
     }
 
-    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explain_step(&self, seen: &Seen<Self>) -> Step {
         let Some(shown) = self.shown(seen) else {
             return starting(Step::at(line::TAKE_VIEWS), &seen.before.fixed.views, &self.settings);
         };
-        let step = self.decided(&shown);
+        let step = self.tell_decision(&shown);
         let is_over = |after: &&State| after.y() == after.fixed.views.size().1;
         let step = match (seen.after.filter(is_over), seen.point()) {
-            (Some(after), None) => concluded(step, &after.fixed.views, &self.settings, &after.kept),
+            (Some(after), None) => conclude(step, &after.fixed.views, &self.settings, &after.kept),
             _ => step,
         };
-        self.computed(step, &shown).show(self.curve(&shown)).show(Readout::Tiles(self.tiles(&shown)))
+        self.put_cost(step, &shown).show(self.curve(&shown)).show(Readout::Tiles(self.tiles(&shown)))
     }
 
-    /// The minimum of the pixel, and what the tests made of it.
-    fn decided(&self, shown: &Shown) -> Step {
+    /// The minimum of the pixel and the outcome of its tests.
+    fn tell_decision(&self, shown: &Shown) -> Step {
         let Event { kept, best, back } = shown.event;
         let (pair, minimum) = (self.pair(shown), smallest(&shown.costs));
         let line = match kept.verdict {
@@ -83,7 +83,7 @@ impl BlockStereo {
             Verdict::Ambiguous => pair.cause(step.say(case::AMBIGUOUS), case::REPEATED),
             Verdict::Inconsistent => pair.cause(step.say(case::INCONSISTENT), case::OCCLUDED),
             Verdict::Accepted => {
-                let step = measured(step, shown.fixed.views.calibration.as_ref(), kept.disparity);
+                let step = put_depth(step, shown.fixed.views.calibration.as_ref(), kept.disparity);
                 let has_depth = step.real(value::DEPTH).is_finite();
                 step.say(if has_depth { case::WITH_DEPTH } else { case::UNIQUE })
             }
@@ -109,7 +109,7 @@ impl BlockStereo {
     }
 
     /// Adds the cost, and the vertex of the parabola with its numbers where there is one.
-    fn computed(&self, step: Step, shown: &Shown) -> Step {
+    fn put_cost(&self, step: Step, shown: &Shown) -> Step {
         let (best, costs) = (usize::from(shown.event.best), &shown.costs);
         let step = step.formula(match self.cost {
             Cost::Sad => r"C(d) = \sum_{i, j} |I_L(x + i, y + j) - I_R(x - d + i, y + j)|",
@@ -138,15 +138,14 @@ impl BlockStereo {
         };
         let (left, right) = (window(views.left.luma(), 0), window(views.right.luma(), best));
         let difference = Grid::from_fn(side, side, |i, j| right[(i, j)] - left[(i, j)]);
-        let tile = |label, role, values, range| Tile { label, role: Some(role), values, range, framed: Vec::new() };
         vec![
-            tile("window", Role::Reference, left, [0.0, 255.0]),
-            tile("best match", Role::Best, right, [0.0, 255.0]),
-            tile("difference", Role::Error, difference, [-64.0, 64.0]),
+            Tile::gray("window", left).with_role(Role::Reference),
+            Tile::gray("best match", right).with_role(Role::Best),
+            Tile::new("difference", difference, [-64.0, 64.0]).with_role(Role::Error),
         ]
     }
 
-    pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(super) fn draw_marks(&self, seen: &Seen<Self>, scene: &mut Scene) {
         scene.pictures = seen.before.fixed.views.canvases();
         let meaning = "disparity in px, so far";
         draw_map(scene, seen.before.map(seen.events), self.settings.disparities, meaning);

@@ -20,17 +20,14 @@ impl SceneFlow {
         let line = |i: usize| rows.iter().map(|row| [row[0] as f32, row[i] as f32]).collect::<Vec<_>>();
         let deepest = rows.last()?[0];
         Some(Readout::Series(Series {
-            title: "Error of the scene flow along the depth",
-            x_label: "depth Z (m)",
-            y_label: "m",
-            x_max: deepest.ceil() as usize,
-            lines: vec![
-                ("σ by theory", Role::Predicted, line(2)),
-                ("RMS error against the truth", Role::Error, line(1)),
-            ],
             is_sweep: true,
             decimals: Some(3),
-            ..Series::default()
+            ..Series::new(
+                "Error of the scene flow along the depth",
+                ["depth Z (m)", "m"],
+                deepest.ceil() as usize,
+                vec![("σ by theory", Role::Predicted, line(2)), ("RMS error against the truth", Role::Error, line(1))],
+            )
         }))
     }
 }
@@ -38,13 +35,11 @@ impl SceneFlow {
 /// A rigid motion, with the covariance of its translation.
 pub(super) fn motion_matrices(pose: &Pose, covariance: Option<[[f64; 6]; 6]>) -> Readout {
     let mut matrices = vec![
-        square("R", "rotation of the scene", pose.rotation).with_decimals(4),
-        vector("t", "translation of the scene, in m", pose.translation, Some(Role::Result)),
+        Matrix::of_rows("R", "rotation of the scene", &pose.rotation).with_decimals(4),
+        vector("t", "translation of the scene, in m", pose.translation).with_role(Role::Result),
     ];
-    matrices.extend(covariance.map(|all| Matrix {
-        entries: Grid::from_fn(3, 3, |x, y| all[3 + y][3 + x]),
-        ..square("C", "covariance of t, in m²", [[0.0; 3]; 3])
-    }));
+    let of_translation = |all: [[f64; 6]; 6]| Grid::from_fn(3, 3, |x, y| all[3 + y][3 + x]);
+    matrices.extend(covariance.map(|all| Matrix::new("C", "covariance of t, in m²", of_translation(all))));
     Readout::Matrices(matrices)
 }
 
@@ -62,39 +57,20 @@ pub(super) fn history(events: &[Event]) -> Readout {
         draws.iter().enumerate().map(|(i, draw)| [(i + 1) as f32, inliers(of(draw))]).collect::<Vec<_>>()
     };
     Readout::Series(Series {
-        title: "Inliers of the samples",
-        x_label: "sample",
-        y_label: "points",
-        x_max: draws.last().map_or(1, |draw| draw.needed.max(draw.drawn)),
-        lines: vec![
-            ("sample", Role::Candidate, line(&|draw| draw.fit)),
-            ("best so far", Role::Best, line(&|draw| draw.best)),
-        ],
         events: (1..=draws.len()).collect(),
         decimals: Some(0),
-        ..Series::default()
+        ..Series::new(
+            "Inliers of the samples",
+            ["sample", "points"],
+            draws.last().map_or(1, |draw| draw.needed.max(draw.drawn)),
+            vec![
+                ("sample", Role::Candidate, line(&|draw| draw.fit)),
+                ("best so far", Role::Best, line(&|draw| draw.best)),
+            ],
+        )
     })
 }
 
-pub(super) fn square(symbol: &'static str, name: &'static str, entries: [[f64; 3]; 3]) -> Matrix {
-    Matrix {
-        symbol,
-        name,
-        role: None,
-        entries: Grid::from_fn(3, 3, |x, y| entries[y][x]),
-        rows: Vec::new(),
-        columns: Vec::new(),
-        changed: None,
-        decimals: None,
-    }
-}
-
-pub(super) fn vector(symbol: &'static str, name: &'static str, entries: [f64; 3], role: Option<Role>) -> Matrix {
-    Matrix {
-        role,
-        entries: Grid::from_fn(1, 3, |_, y| entries[y]),
-        rows: ["X", "Y", "Z"].map(str::to_owned).to_vec(),
-        decimals: Some(3),
-        ..square(symbol, name, [[0.0; 3]; 3])
-    }
+pub(super) fn vector(symbol: &'static str, name: &'static str, entries: [f64; 3]) -> Matrix {
+    Matrix::column(symbol, name, &entries).with_rows(["X", "Y", "Z"]).with_decimals(3)
 }

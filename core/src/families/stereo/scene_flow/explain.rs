@@ -4,18 +4,18 @@ mod drawing;
 
 use std::sync::Arc;
 
-use super::charts::{history, motion_matrices, square, vector};
+use super::charts::{history, motion_matrices, vector};
 use super::vocabulary::{case, value};
 use super::{Depths, Event, Part, SceneFlow, Source, line, space};
 use crate::data::{Calibration, Disparity, Pose};
 use crate::geometry::Grid;
 use crate::methods::scene_flow::{Draw, FEWEST, Fit};
 use crate::methods::stereo::value::PIXEL;
-use crate::methods::stereo::{Settings, Views, warned};
+use crate::methods::stereo::{Settings, Views, add_warning};
 use crate::products::scene_flow::scene_flow_error;
 use crate::products::{Reference, SceneFlowField};
 use crate::run::Seen;
-use crate::scene::{Name, Readout, Role, Sentence, Step};
+use crate::scene::{Matrix, Name, Readout, Role, Sentence, Step};
 
 fn length(vector: [f64; 3]) -> f64 {
     vector.iter().map(|c| c * c).sum::<f64>().sqrt()
@@ -28,7 +28,7 @@ struct Shown {
 }
 
 impl Shown {
-    /// A step with what is known of the pixel so far.
+    /// A step with the known values of the pixel.
     fn step(&self, line: Name) -> Step {
         let (x, y) = self.pixel;
         let step = Step::at(line).fact(PIXEL, self.pixel).fact_if(value::DISPARITY, self.field.disparity.at(x, y));
@@ -37,7 +37,7 @@ impl Shown {
 }
 
 impl SceneFlow {
-    /// The pixel pointed at, else the middle of the row at work or of the picture.
+    /// The pixel pointed at, else the middle of the current row or of the picture.
     fn shown(&self, seen: &Seen<Self>) -> Shown {
         let state = seen.after.unwrap_or(seen.before);
         let mut field = self.field(state);
@@ -57,17 +57,17 @@ impl SceneFlow {
         Shown { field, pixel }
     }
 
-    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explain_step(&self, seen: &Seen<Self>) -> Step {
         let Some(event) = seen.events.last() else { return starting(seen) };
         let shown = self.shown(seen);
         let step = match event {
-            Event::Whole(Part::Disparity) => self.told_disparity(&shown, seen),
-            Event::Whole(Part::NextDisparity) => self.told_next(&shown, seen),
-            Event::Whole(_) => self.told_flow(&shown, seen),
-            Event::Row(Part::Positions, _) => told_position(&shown),
-            Event::Row(..) => self.told_own(&shown),
-            Event::Opened(counts) => self.told_opening(&shown, *counts, seen.point().is_some()),
-            Event::Draw(draw) => self.told_draw(&shown, seen, draw),
+            Event::Whole(Part::Disparity) => self.tell_disparity(&shown, seen),
+            Event::Whole(Part::NextDisparity) => self.tell_next(&shown, seen),
+            Event::Whole(_) => self.tell_flow(&shown, seen),
+            Event::Row(Part::Positions, _) => tell_position(&shown),
+            Event::Row(..) => self.tell_own(&shown),
+            Event::Opened(counts) => self.tell_opening(&shown, *counts, seen.point().is_some()),
+            Event::Draw(draw) => self.tell_draw(&shown, seen, draw),
             Event::NoEgo if seen.before.consensus.is_some() => shown.step(line::OWN).say(case::EGO_UNKNOWN),
             Event::NoEgo => {
                 let points = seen.after.unwrap_or(seen.before).points.len();
@@ -80,7 +80,7 @@ impl SceneFlow {
         };
         let step = match seen.point() {
             None if self.is_over(seen) => {
-                let step = concluded(step, seen, &shown.field);
+                let step = conclude(step, seen, &shown.field);
                 step.show_all(self.error_plot(seen, &shown.field))
             }
             _ => step,
@@ -106,7 +106,7 @@ impl SceneFlow {
         }
     }
 
-    fn told_disparity(&self, shown: &Shown, seen: &Seen<Self>) -> Step {
+    fn tell_disparity(&self, shown: &Shown, seen: &Seen<Self>) -> Step {
         let (field, (x, y)) = (&shown.field, shown.pixel);
         let density = 100.0 * field.disparity.known() as f64 / field.picture.luma().cells().len() as f64;
         let step = shown.step(line::DISPARITY).put(value::METHOD, self.depths_of(seen)).put(value::DENSITY, density);
@@ -122,10 +122,10 @@ impl SceneFlow {
             return step.say(case::MATCHED);
         };
         let step = step.put(value::DEPTH, depth).put(value::SHIFT, d + rig.offset_px).say(case::AT_DEPTH);
-        rigged(step, &rig).formula(r"Z = \frac{{focal:unit} \cdot {baseline:unit}}{{shift:unit}} = {depth:unit}")
+        put_rig(step, &rig).formula(r"Z = \frac{{focal:unit} \cdot {baseline:unit}}{{shift:unit}} = {depth:unit}")
     }
 
-    fn told_next(&self, shown: &Shown, seen: &Seen<Self>) -> Step {
+    fn tell_next(&self, shown: &Shown, seen: &Seen<Self>) -> Step {
         let map = seen.after.and_then(|after| after.next.as_ref());
         let known = map.map_or(0.0, |map| map.known() as f64 / map.0.cells().len().max(1) as f64);
         let step = shown.step(line::NEXT_DISPARITY).put(value::METHOD, self.depths_of(seen));
@@ -135,7 +135,7 @@ impl SceneFlow {
         })
     }
 
-    fn told_flow(&self, shown: &Shown, seen: &Seen<Self>) -> Step {
+    fn tell_flow(&self, shown: &Shown, seen: &Seen<Self>) -> Step {
         let (x, y) = shown.pixel;
         let name = self.method(self.flow.estimator().info().name);
         let step = shown.step(line::FLOW).put(value::METHOD, name);
@@ -146,14 +146,14 @@ impl SceneFlow {
         step.say_if(self.is_over(seen), case::ENDS)
     }
 
-    fn told_draw(&self, shown: &Shown, seen: &Seen<Self>, draw: &Draw) -> Step {
+    fn tell_draw(&self, shown: &Shown, seen: &Seen<Self>, draw: &Draw) -> Step {
         let step = Step::at(if draw.sample.is_some() { line::SAMPLE } else { line::REFIT });
         let step = step.fact(value::SAMPLES, draw.drawn).fact(value::NEEDED, draw.needed);
         let step = step.fact_if(value::INLIERS, draw.fit.map(|fit| fit.score.inliers));
         let step = step.fact_if(value::RMS, draw.fit.map(|fit| fit.rms_px()));
         let step = step.fact_if(value::BEST_INLIERS, draw.best.map(|best| best.score.inliers));
         let step = match (draw.sample, draw.fit) {
-            (Some(_), Some(fit)) => self.told_sample(step, draw, &fit),
+            (Some(_), Some(fit)) => self.tell_sample(step, draw, &fit),
             (Some(_), None) => step.say(case::NO_MOTION),
             (None, Some(_)) if draw.fit == draw.best => step.say(case::REFITTED),
             (None, Some(_)) => step.say(case::CONVERGED),
@@ -178,7 +178,7 @@ impl SceneFlow {
     }
 
     /// Tells the rigid motion of a sample, and how it compares with the best.
-    fn told_sample(&self, step: Step, draw: &Draw, fit: &Fit) -> Step {
+    fn tell_sample(&self, step: Step, draw: &Draw, fit: &Fit) -> Step {
         let step = step.put(value::ROTATION, fit.pose.angle_rad().to_degrees());
         let step = step.put(value::TRANSLATION, fit.pose.translation).put(value::THRESHOLD, self.ego.threshold);
         let step = step.put(value::ALLOWED, self.ego.iterations).say(case::SAMPLE);
@@ -190,7 +190,7 @@ impl SceneFlow {
         })
     }
 
-    fn told_own(&self, shown: &Shown) -> Step {
+    fn tell_own(&self, shown: &Shown) -> Step {
         let (Some(motion), field) = (shown.field.motion(shown.pixel), &shown.field) else {
             return shown.step(line::SKIP).say(case::NOT_JUDGED);
         };
@@ -207,16 +207,16 @@ impl SceneFlow {
             false => case::AT_REST,
         });
         step.show(Readout::Matrices(vec![
-            vector("P′", "position in frame t + 1, in m", motion.to, Some(Role::Measured)),
-            vector("RP+t", "prediction for a point at rest, in m", prediction, Some(Role::Predicted)),
-            vector("r", "remaining motion, in m", own, Some(Role::Error)),
-            square("Σ", "covariance of r, in m²", motion.covariance(&ego.pose, &field.sigma)),
+            vector("P′", "position in frame t + 1, in m", motion.to).with_role(Role::Measured),
+            vector("RP+t", "prediction for a point at rest, in m", prediction).with_role(Role::Predicted),
+            vector("r", "remaining motion, in m", own).with_role(Role::Error),
+            Matrix::of_rows("Σ", "covariance of r, in m²", &motion.covariance(&ego.pose, &field.sigma)),
         ]))
     }
 
-    fn told_opening(&self, shown: &Shown, [before, after]: [u32; 2], is_pointed: bool) -> Step {
+    fn tell_opening(&self, shown: &Shown, [before, after]: [u32; 2], is_pointed: bool) -> Step {
         // A pixel pointed at keeps its numbers.
-        let step = if is_pointed { self.told_own(shown) } else { shown.step(line::OPEN) };
+        let step = if is_pointed { self.tell_own(shown) } else { shown.step(line::OPEN) };
         let step = Step { line: line::OPEN, sentence: Sentence::default(), ..step };
         let step = step.put(value::BEYOND, before).put(value::KEPT, after).put(value::SIDE, 2 * self.opening + 1);
         step.say(if self.opening == 0 { case::NOT_OPENED } else { case::OPENED })
@@ -227,7 +227,7 @@ impl SceneFlow {
 fn starting(seen: &Seen<SceneFlow>) -> Step {
     let (depths, rig) = (seen.before.fixed.depths, seen.before.fixed.calibration);
     let step = Step::at(line::TAKE_VIEWS);
-    let step = if let Some(rig) = rig { rigged(step, &rig) } else { step };
+    let step = if let Some(rig) = rig { put_rig(step, &rig) } else { step };
     let step = step.say(match (depths, rig) {
         (Depths::Unknown, _) => case::NO_DEPTHS,
         (Depths::Stereo, None) => case::NOT_CALIBRATED,
@@ -235,11 +235,11 @@ fn starting(seen: &Seen<SceneFlow>) -> Step {
         (Depths::Stereo, Some(_)) => case::TWO_VIEWS,
         (Depths::Sensor, Some(_)) => case::DEPTH_SENSOR,
     });
-    warned(step, swapped(seen))
+    add_warning(step, swapped(seen))
 }
 
 /// Puts focal length and baseline.
-fn rigged(step: Step, rig: &Calibration) -> Step {
+fn put_rig(step: Step, rig: &Calibration) -> Step {
     step.put(value::FOCAL, rig.focal_px).put(value::BASELINE, rig.baseline_m)
 }
 
@@ -250,10 +250,9 @@ fn swapped(seen: &Seen<SceneFlow>) -> Option<String> {
     views.warning(Settings::default().disparities)
 }
 
-/// Tells what the run comes to.
-fn concluded(step: Step, seen: &Seen<SceneFlow>, field: &SceneFlowField) -> Step {
+fn conclude(step: Step, seen: &Seen<SceneFlow>, field: &SceneFlowField) -> Step {
     let percent = |count: usize| 100.0 * count as f64 / field.picture.luma().cells().len().max(1) as f64;
-    let step = warned(step, swapped(seen)).put(value::DENSITY, percent(field.known())).say(case::KNOWN);
+    let step = add_warning(step, swapped(seen)).put(value::DENSITY, percent(field.known())).say(case::KNOWN);
     let is_doubtful = field.ego.is_some_and(|ego| !ego.is_of_majority());
     let step = match &field.moving {
         Some(_) if is_doubtful => step.say(case::DOUBTFUL),
@@ -279,8 +278,7 @@ fn concluded(step: Step, seen: &Seen<SceneFlow>, field: &SceneFlowField) -> Step
     }
 }
 
-/// Tells the positions and the scene flow of the pixel.
-fn told_position(shown: &Shown) -> Step {
+fn tell_position(shown: &Shown) -> Step {
     let (field, (x, y)) = (&shown.field, shown.pixel);
     let Some(measured) = field.measured(shown.pixel) else {
         return shown.step(line::SKIP).say(match (field.disparity.at(x, y), field.flow.at(x, y)) {
@@ -305,14 +303,14 @@ fn told_position(shown: &Shown) -> Step {
         let factor = r"\frac{{baseline:unit}}{{shift:unit}} \, ({offset_x}, {offset_y}, {focal}) \, \text{px}";
         format!(r"\mathbf{{P}}{point} = {factor} = {position}")
     };
-    let step = rigged(step, &rig).formula(r"\mathbf{P} = \frac{B}{d} \, (x - c_x, y - c_y, f)");
+    let step = put_rig(step, &rig).formula(r"\mathbf{P} = \frac{B}{d} \, (x - c_x, y - c_y, f)");
     let step = seen_at(step, measured.pixel, measured.disparity).formula(line("", "{position:unit}"));
     let step = seen_at(step, measured.next_pixel(), measured.next_disparity).formula(line("'", "{next_position:unit}"));
     let step = step.formula(r"\sigma_V = \sqrt{\sigma_Z^2 + \sigma_{Z'}^2}, \sigma_Z = \frac{Z^2 \, \sigma_d}{f \, B}");
     step.show(Readout::Matrices(vec![
-        vector("P", "position in frame t, in m", motion.from, Some(Role::Reference)),
-        vector("P′", "position in frame t + 1, in m", motion.to, Some(Role::Measured)),
-        vector("V", "scene flow, in m", flow, Some(Role::Result)),
-        square("Σ", "covariance of the scene flow, in m²", covariance),
+        vector("P", "position in frame t, in m", motion.from).with_role(Role::Reference),
+        vector("P′", "position in frame t + 1, in m", motion.to).with_role(Role::Measured),
+        vector("V", "scene flow, in m", flow).with_role(Role::Result),
+        Matrix::of_rows("Σ", "covariance of the scene flow, in m²", &covariance),
     ]))
 }

@@ -5,31 +5,31 @@ use super::shown::{Path, Shown};
 use super::vocabulary::{case, value};
 use super::{SemiGlobalMatching, Stage, find_winners, line};
 use crate::methods::stereo::value as shared;
-use crate::methods::stereo::{BITS, Verdict, accept, concluded, measured, smallest, starting};
+use crate::methods::stereo::{BITS, Verdict, accept, conclude, put_depth, smallest, starting};
 use crate::run::Seen;
 use crate::scene::{Readout, Role, Step};
 
 impl SemiGlobalMatching {
-    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explain_step(&self, seen: &Seen<Self>) -> Step {
         let Some(shown) = self.shown(seen) else {
             let views = &seen.before.fixed.views;
             return starting(Step::at(line::TAKE_VIEWS), views, &self.settings).say(case::OPENING);
         };
         let step = match shown.stage {
-            Stage::Cost => self.told_cost(&shown),
-            Stage::Path(direction) => self.told_path(&shown, direction),
-            Stage::Winner => self.told_choice(&shown),
-            Stage::Check => self.told_check(&shown),
-            Stage::Fill => self.told_fill(&shown),
+            Stage::Cost => self.tell_cost(&shown),
+            Stage::Path(direction) => self.tell_path(&shown, direction),
+            Stage::Winner => self.tell_choice(&shown),
+            Stage::Check => self.tell_check(&shown),
+            Stage::Fill => self.tell_fill(&shown),
         };
         let step = match (seen.after.filter(|after| after.done == self.stages().len()), seen.point()) {
-            (Some(after), None) => concluded(step, &after.fixed.views, &self.settings, &after.kept),
+            (Some(after), None) => conclude(step, &after.fixed.views, &self.settings, &after.kept),
             _ => step,
         };
         step.show(Readout::Landscape(self.canyon(&shown)))
     }
 
-    fn told_cost(&self, shown: &Shown) -> Step {
+    fn tell_cost(&self, shown: &Shown) -> Step {
         let costs = self.single_costs(shown);
         let minimum = smallest(&costs);
         let step = self.pair(shown).step(line::COMPUTE_COSTS).fact(value::LEAST_DISTANCE, minimum.cost);
@@ -38,7 +38,7 @@ impl SemiGlobalMatching {
         step.show(self.curve(shown, "Matching cost along the epipolar line", lines))
     }
 
-    fn told_path(&self, shown: &Shown, direction: [isize; 2]) -> Step {
+    fn tell_path(&self, shown: &Shown, direction: [isize; 2]) -> Step {
         let (path, costs, [p1, p2]) = (shown.path(self, direction), self.single_costs(shown), self.penalties());
         let (alone, along) = (smallest(&costs), smallest(&path.costs));
         let step = self.pair(shown).step(line::AGGREGATE).fact(value::DIRECTION, direction_name(direction));
@@ -57,7 +57,7 @@ impl SemiGlobalMatching {
         recursion(step.say(case::PATH_MINIMA), &path, &costs, along.at).show(curve)
     }
 
-    fn told_choice(&self, shown: &Shown) -> Step {
+    fn tell_choice(&self, shown: &Shown) -> Step {
         let sums = shown.sums(self);
         let minimum = smallest(&sums);
         let rival = minimum.rival.map(|(_, cost)| cost);
@@ -80,7 +80,7 @@ impl SemiGlobalMatching {
         [best, usize::from(desk.winners.right[x - best])]
     }
 
-    fn told_check(&self, shown: &Shown) -> Step {
+    fn tell_check(&self, shown: &Shown) -> Step {
         let (sums, pair) = (shown.sums(self), self.pair(shown));
         let [best, back] = self.both(shown, &sums);
         let step = pair.step(line::CHECK).fact(shared::BEST, best).fact(shared::BACK, back).say(case::BOTH_VIEWS);
@@ -91,7 +91,7 @@ impl SemiGlobalMatching {
         step.show(self.sum_curve(shown, &sums))
     }
 
-    fn told_fill(&self, shown: &Shown) -> Step {
+    fn tell_fill(&self, shown: &Shown) -> Step {
         let ((x, y), width) = (shown.pixel, shown.before.fixed.views.size().0);
         let index = y * width + x;
         let was = shown.before.kept[index];
@@ -109,7 +109,7 @@ impl SemiGlobalMatching {
             (step, around.map_or(f32::NAN, |(_, around)| fill::value(gap, around)))
         };
         let step = match disparity.is_finite() {
-            true => measured(step, shown.before.fixed.views.calibration.as_ref(), disparity),
+            true => put_depth(step, shown.before.fixed.views.calibration.as_ref(), disparity),
             false => step.say(case::FILL_NONE),
         };
         let is_filled = disparity.is_finite() && was.disparity.is_nan();
@@ -117,7 +117,6 @@ impl SemiGlobalMatching {
     }
 }
 
-/// The name of a direction of paths.
 fn direction_name(direction: [isize; 2]) -> &'static str {
     match direction {
         [1, 0] => "from the left",

@@ -12,7 +12,7 @@ use crate::run::Seen;
 use crate::scene::{Canvas, Picture, Role, Scene, Shape};
 
 impl SemiGlobalMatching {
-    pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(super) fn draw_marks(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let state = seen.after.unwrap_or(seen.before);
         scene.pictures = seen.before.fixed.views.canvases();
         let meaning = if state.kept.is_empty() { "disparity of least cost so far, in px" } else { "disparity in px" };
@@ -31,14 +31,12 @@ impl SemiGlobalMatching {
         let at = kept.map(|kept| kept.disparity).filter(|d| d.is_finite()).unwrap_or(best);
         draw_match(scene, &self.pair(&shown), at, is_kept);
         let column = vec![[x as f32, -0.5], [x as f32, self.last(x) as f32 + 0.5]];
-        scene.mark(SLICE, Role::Window, Shape::Path { points: column, closed: false });
-        scene.mark(SLICE, Role::Best, Shape::Points(vec![[x as f32, best]]));
-        scene.legend(Role::Best, "match");
+        scene.mark(SLICE, Role::Window, Shape::line(column));
+        scene.draw(SLICE, (Role::Best, "match"), Shape::Points(vec![[x as f32, best]]));
         if let Stage::Path(direction) = shown.stage {
             let from = shown.path(self, direction).from;
             let points = vec![[from.0 as f32, from.1 as f32], [x as f32, y as f32]];
-            scene.mark(Picture::CURRENT, Role::Predicted, Shape::Path { points, closed: false });
-            scene.legend(Role::Predicted, "path to the pixel");
+            scene.draw(Picture::CURRENT, (Role::Predicted, "path to the pixel"), Shape::line(points));
         }
     }
 

@@ -7,14 +7,14 @@ use crate::run::Seen;
 
 /// The pixel that a step explains.
 pub(super) struct Shown<'a> {
-    /// The state with the results of the stage, as far as it is over; else the one before it.
+    /// The state with the results of the stage, if it is finished; else the state before it.
     pub state: &'a State,
     pub before: &'a State,
     pub stage: Stage,
     pub pixel: (usize, usize),
 }
 
-/// The path costs of a pixel along a direction, with what they are made of.
+/// The path costs of a pixel along a direction, with their parts.
 pub(super) struct Path {
     /// The first pixel of the path.
     pub from: (usize, usize),
@@ -92,7 +92,7 @@ impl SemiGlobalMatching {
         x.min(self.settings.disparities - 1)
     }
 
-    /// The pixel pointed at, else the middle of the row at work; `None` before the first.
+    /// The pixel pointed at, else the middle of the current row; `None` before the first.
     pub(super) fn shown<'a>(&self, seen: &'a Seen<Self>) -> Option<Shown<'a>> {
         let Event { stage, y } = *seen.events.last()?;
         let views = &seen.before.fixed.views;
@@ -105,7 +105,6 @@ impl SemiGlobalMatching {
         Pair { views: &shown.before.fixed.views, pixel: shown.pixel, reach: 4, disparities: self.settings.disparities }
     }
 
-    /// The matching costs of the pixel.
     pub(super) fn single_costs(&self, shown: &Shown) -> Vec<u32> {
         let costs = shown.costs(self, shown.pixel);
         costs[..self.last(shown.pixel.0) + 1].iter().map(|cost| u32::from(*cost)).collect()

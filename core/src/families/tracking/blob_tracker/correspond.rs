@@ -140,7 +140,7 @@ const TRACKS_PER_CHECK: usize = 64;
 
 impl Correspondence {
     /// Pairs tracks and blobs greedily by IoU. A track that overlaps blobs but is left without one merges into the blob of the
-    /// largest overlap; a blob left in the same way is a split. What overlaps nothing is paired with the nearest.
+    /// largest overlap; a blob left in the same way is a split. Tracks and blobs without any overlap are paired with the nearest.
     ///
     /// # Errors
     /// If the work is cancelled.
@@ -197,7 +197,6 @@ impl Correspondence {
         Ok(shares)
     }
 
-    /// Links corresponding tracks and blobs.
     fn link(&mut self, shares: &Pairs) {
         let pairs = nearest_first(&shares.map(|y, x, _| 1.0 - self.overlap(y, x)));
         let mut has_row = vec![false; self.blobs.len()];

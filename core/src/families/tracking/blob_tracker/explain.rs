@@ -29,7 +29,7 @@ fn tracks_of(tracked_blobs: &[TrackedBlob]) -> usize {
 }
 
 impl BlobTracker {
-    pub(super) fn explained_step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
+    pub(super) fn explain_step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
         let run = &seen.after.unwrap_or(seen.before).run;
         let decision = match seen.events.last().map(|event| &event.0) {
             Some(EventKind::Decided(decision)) => Some(&**decision),
@@ -46,14 +46,14 @@ impl BlobTracker {
                 let names =
                     Names::new(table.tracked_blobs.iter().map(|tracked| ids(&tracked.members)), 0..table.blobs.len());
                 tables.extend(correspondence(table, &names, decision));
-                names.add_shown_part(self.told(seen))
+                names.add_shown_part(self.tell_event(seen))
             }
-            None => self.told(seen),
+            None => self.tell_event(seen),
         };
         step.show_all((!tables.is_empty()).then_some(Readout::Matrices(tables))).show_all(explain::series(run))
     }
 
-    fn told(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
+    fn tell_event(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
         let (frame, tracks) = (seen.before.run.frame(), &seen.after.unwrap_or(seen.before).tracks);
         let limits = |line: Name| {
             let step = Step::at(line).fact(shared::FRAME, frame).put(value::MIN_OVERLAP, 100.0 * self.min_overlap);
@@ -87,10 +87,14 @@ impl BlobTracker {
                 step.say_if(table.crowded > 0, case::CROWDED)
             }
             Some(EventKind::Decided(decision)) => match &decision.dissimilarity {
-                Some(dissimilarity) => self.split(decided(limits(line::SPLIT), decision), decision, dissimilarity),
-                None if decision.is_merge() => decided(limits(line::MERGE), decision).say(case::MERGES),
-                None if self.is_nearest(decision) => self.updated(limits(line::TAKE_NEAREST), decision, case::NEAREST),
-                None => self.updated(limits(line::GO_ON), decision, case::UPDATED),
+                Some(dissimilarity) => {
+                    self.split(tell_decision(limits(line::SPLIT), decision), decision, dissimilarity)
+                }
+                None if decision.is_merge() => tell_decision(limits(line::MERGE), decision).say(case::MERGES),
+                None if self.is_nearest(decision) => {
+                    self.tell_update(limits(line::TAKE_NEAREST), decision, case::NEAREST)
+                }
+                None => self.tell_update(limits(line::GO_ON), decision, case::UPDATED),
             },
             Some(EventKind::Missed(tracked)) => {
                 let missed = tracked.members.iter().map(|member| member.age.missed).max().unwrap_or(0);
@@ -156,8 +160,8 @@ impl BlobTracker {
         step.put(value::OTHER_TRACKS, others).say(if others > 0 { case::OTHER_TRACKS } else { shared_case::END })
     }
 
-    fn updated(&self, step: Step, decision: &Decision, case: &'static Case) -> Step {
-        let step = decided(step, decision);
+    fn tell_update(&self, step: Step, decision: &Decision, case: &'static Case) -> Step {
+        let step = tell_decision(step, decision);
         let ([row], [(column, tracked)]) = (&decision.rows[..], &decision.after[..]) else { return step };
         let table = &decision.table;
         let step = step.put(value::OVERLAP, 100.0 * table.share(*row, *column)).put(value::CENTER, tracked.center());
@@ -204,7 +208,7 @@ fn with_track(step: Step, tracked: &TrackedBlob) -> Step {
 }
 
 /// Adds the track after an update and its blobs among the facts.
-fn decided(step: Step, decision: &Decision) -> Step {
+fn tell_decision(step: Step, decision: &Decision) -> Step {
     let step = match &decision.after[..] {
         [(_, tracked)] => with_track(step, tracked),
         _ => step,
@@ -215,7 +219,6 @@ fn decided(step: Step, decision: &Decision) -> Step {
     }
 }
 
-/// Adds the tracks of a group among the facts.
 fn group(step: Step, members: &[Member]) -> Step {
     step.fact(value::MEMBERS, members.iter().map(|member| member.id).collect::<Number>())
 }

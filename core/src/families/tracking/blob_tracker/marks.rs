@@ -14,7 +14,7 @@ use crate::run::Seen;
 use crate::scene::{Arrow, Picture, Role, Scene, Shape};
 
 impl BlobTracker {
-    pub(super) fn drawn(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
+    pub(super) fn draw_marks(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
         let detected = seen
             .events
             .iter()
@@ -73,7 +73,6 @@ fn draw_work(seen: &Seen<MultiTracking<BlobTracker>>, scene: &mut Scene) {
     }
 }
 
-/// Arrows from the predictions to the blobs of their tracks.
 fn moves(decision: &Decision) -> impl Iterator<Item = Arrow> {
     let table = &decision.table;
     decision.after.iter().flat_map(move |(column, tracked)| {

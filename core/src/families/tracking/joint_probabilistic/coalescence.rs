@@ -23,7 +23,7 @@ pub(super) struct Neighbors {
 }
 
 impl Neighbors {
-    /// Those of a run; none without the truth, or without neighbours.
+    /// Returns the distances of a run; `None` without the truth, or without neighbours.
     pub(super) fn of(run: &TrackerRun, clip: &Clip) -> Option<Self> {
         let truth = clip.truth()?;
         let each = run.frames().iter().enumerate().filter_map(|(i, frame)| {
@@ -37,7 +37,7 @@ impl Neighbors {
     }
 
     /// Says whether the tracks were nearer to each other than the objects, and why.
-    pub(super) fn told(step: Step, of: Self) -> Step {
+    pub(super) fn tell(step: Step, of: Self) -> Step {
         let step = step.put(value::NEIGHBOUR_FRAMES, of.frames).put(value::TRUE_DISTANCE, of.truth_px);
         let has_coalesced = of.tracks_px < COALESCED * of.truth_px;
         let step = step.put(value::TRACK_DISTANCE, of.tracks_px);
@@ -45,7 +45,6 @@ impl Neighbors {
     }
 }
 
-/// The confirmed tracks of a frame.
 fn frame_tracks(frame: &ObjectFrame) -> Vec<&Object> {
     frame.objects.iter().filter(|object| object.status == TrackStatus::Confirmed).collect()
 }

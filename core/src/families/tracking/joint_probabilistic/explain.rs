@@ -12,8 +12,7 @@ use crate::methods::{
     multi_object::{
         density::TrackDensity,
         explain,
-        tracking::{self, MultiTracking, errors, selected},
-        truth,
+        tracking::{self, MultiTracking, selected},
         vocabulary::{case as shared_case, value as shared},
     },
     numbers::{LENGTH_DECIMALS, RATIO_DECIMALS, finer},
@@ -25,7 +24,7 @@ use crate::scene::{Arrow, Name, Picture, Readout, Role, Scene, Shape, Step, Unit
 const LISTED: usize = 4;
 
 impl JointProbabilistic {
-    pub(super) fn explained_step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
+    pub(super) fn explain_step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
         let tables = match seen.events.last() {
             Some(Event::Validated(validation)) => validation_table(validation).into_iter().collect(),
             Some(Event::Enumerated(validation, joint)) => event_tables(validation, joint),
@@ -33,12 +32,12 @@ impl JointProbabilistic {
             Some(Event::Updated(both, weights)) => update_tables(&both[0], weights),
             _ => Vec::new(),
         };
-        let step = self.told(seen).show_all((!tables.is_empty()).then_some(Readout::Matrices(tables)));
+        let step = self.tell_event(seen).show_all((!tables.is_empty()).then_some(Readout::Matrices(tables)));
         let step = step.show_all(explain::series(&seen.after.unwrap_or(seen.before).run));
         step.show_all(self.density(seen).and_then(|density| density.landscape()))
     }
 
-    fn told(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
+    fn tell_event(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
         let tracks = seen.after.unwrap_or(seen.before).tracks.len();
         let facts =
             |line: Name| Step::at(line).fact(shared::FRAME, seen.before.run.frame()).fact(shared::TRACKS, tracks);
@@ -63,9 +62,11 @@ impl JointProbabilistic {
                     .say(case::CLUSTERED);
                 explain::tell_crowding(step, validation.crowded)
             }
-            Some(Event::Enumerated(validation, joint)) => self.enumerated(at(line::ENUMERATE), validation, joint),
-            Some(Event::Weighed(validation, joint)) => weighed(at(line::WEIGH), validation, joint),
-            Some(Event::Updated(both, weights)) => updated(of(line::UPDATE_TRACK, &both[1]), both, weights),
+            Some(Event::Enumerated(validation, joint)) => {
+                self.tell_joint_events(at(line::ENUMERATE), validation, joint)
+            }
+            Some(Event::Weighed(validation, joint)) => tell_weights(at(line::WEIGH), validation, joint),
+            Some(Event::Updated(both, weights)) => tell_update(of(line::UPDATE_TRACK, &both[1]), both, weights),
             Some(Event::Missed(track, missed)) => {
                 let step = of(line::COAST_OR_END, track).put(value::MISSED_WEIGHT, *missed).say(case::COASTS);
                 explain::tell_misses(step, track.age.missed)
@@ -80,13 +81,13 @@ impl JointProbabilistic {
             Some(Event::Done(done, conclusion)) => {
                 let after = seen.after.filter(|_| conclusion.run.is_some() && selected(seen).is_none());
                 let neighbors = after.and_then(|after| Neighbors::of(&after.run, seen.clip));
-                let step = neighbors.into_iter().fold(at(line::EACH_FRAME), Neighbors::told);
+                let step = neighbors.into_iter().fold(at(line::EACH_FRAME), Neighbors::tell);
                 tracking::tell_end(step, seen, (done, conclusion))
             }
         }
     }
 
-    fn enumerated(&self, step: Step, validation: &Validation, joint: &Joint) -> Step {
+    fn tell_joint_events(&self, step: Step, validation: &Validation, joint: &Joint) -> Step {
         let step = step.put(shared::CLUSTER_TRACKS, joint.tracks.len());
         let step = step.put(shared::CLUSTER_DETECTIONS, joint.detections.len()).put(value::MAX_EVENTS, self.max_events);
         let step = step.fact(value::JOINT_EVENTS, joint.events.len()).say(case::ENUMERATED);
@@ -148,19 +149,13 @@ impl JointProbabilistic {
         }
     }
 
-    pub(super) fn drawn(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
+    pub(super) fn draw_marks(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
         let detected = match seen.events.first() {
             Some(Event::Detected(all, _)) => &all[..],
             _ => &[],
         };
-        explain::draw_detections(scene, detected);
-        scene.is_overview = seen.after.is_some() && seen.point().is_none();
-        if let Some(after) = seen.after {
-            errors(seen).iter().for_each(|errors| truth::draw(scene, errors));
-            return after.tracks.iter().for_each(|track| track.shown().draw_with_trail(scene, &after.run));
-        }
-        explain::number_detections(scene, detected);
-        draw_work(scene, seen);
+        tracking::draw_detections(scene, seen, detected);
+        draw_tracks(scene, seen);
         match seen.events.last() {
             Some(Event::Enumerated(validation, joint) | Event::Weighed(validation, joint)) => {
                 let tracks = joint.tracks.iter().map(|track| validation.tracks[*track].bounds());
@@ -172,7 +167,7 @@ impl JointProbabilistic {
     }
 }
 
-fn weighed(step: Step, validation: &Validation, joint: &Joint) -> Step {
+fn tell_weights(step: Step, validation: &Validation, joint: &Joint) -> Step {
     let all = (0..joint.tracks.len()).flat_map(|track| (0..joint.detections.len()).map(move |at| (track, at)));
     let largest =
         all.map(|(track, at)| (joint.weight(track, at), track, at)).reduce(|a, b| if b.0 > a.0 { b } else { a });
@@ -184,7 +179,7 @@ fn weighed(step: Step, validation: &Validation, joint: &Joint) -> Step {
     step.put(value::MISSED_WEIGHT, joint.missed(track)).say(case::LARGEST)
 }
 
-fn updated(step: Step, [before, _]: &[Track; 2], weights: &Weights) -> Step {
+fn tell_update(step: Step, [before, _]: &[Track; 2], weights: &Weights) -> Step {
     let Some((likeliest, weight)) = weights.likeliest() else { return step };
     let step = explain::put_prediction(step, &before.filter).fact(value::MISSED_WEIGHT, weights.missed());
     let step = step.put(value::IN_GATE, weights.detections.len()).put(shared::DETECTION, likeliest + 1);
@@ -210,7 +205,7 @@ fn innovation(step: Step, before: &Track, weights: &Weights) -> Step {
     let (origin, listed) = (before.filter.place(), weights.measured.len().min(LISTED));
     let has_more = weights.measured.len() > LISTED;
     let innovations = Grid::from_fn(listed, 2, |j, y| weights.measured[j].0[y] - origin[y]);
-    // The terms of a sum that goes on do not give its result.
+    // The terms of a truncated sum do not give its result.
     let further = further_digits(|further| {
         let sum = |y: usize| -> f64 {
             let terms = weights.measured.iter().enumerate().take(listed).map(|(j, (_, weight))| {
@@ -231,7 +226,6 @@ fn innovation(step: Step, before: &Track, weights: &Weights) -> Step {
     ))
 }
 
-/// The track of the step.
 fn track_of<'a>(seen: &Seen<'a, MultiTracking<JointProbabilistic>>) -> Option<&'a Track> {
     match seen.events.last()? {
         Event::Updated(both, _) => Some(&both[1]),
@@ -240,11 +234,12 @@ fn track_of<'a>(seen: &Seen<'a, MultiTracking<JointProbabilistic>>) -> Option<&'
     }
 }
 
-/// Draws the tracks within a frame: updated, or else predicted.
-fn draw_work(scene: &mut Scene, seen: &Seen<MultiTracking<JointProbabilistic>>) {
-    let run = &seen.before.run;
-    let Some(Event::Predicted(predicted)) = seen.events.get(1) else {
-        return seen.before.tracks.iter().for_each(|track| track.shown().draw_with_trail(scene, run));
+/// Draws the tracks: within a frame updated, or else predicted.
+fn draw_tracks(scene: &mut Scene, seen: &Seen<MultiTracking<JointProbabilistic>>) {
+    let state = seen.after.unwrap_or(seen.before);
+    let predicted = match seen.events.get(1) {
+        Some(Event::Predicted(predicted)) if seen.after.is_none() => predicted,
+        _ => return state.tracks.iter().for_each(|track| track.shown().draw_with_trail(scene, &state.run)),
     };
     let done = seen.events.iter().filter_map(|event| match event {
         Event::Updated(both, _) => Some((both[1].id, Some(both[1].shown()))),
@@ -252,7 +247,7 @@ fn draw_work(scene: &mut Scene, seen: &Seen<MultiTracking<JointProbabilistic>>) 
         Event::Deleted(track) => Some((track.id, None)),
         _ => None,
     });
-    explain::draw_progress(scene, run, predicted.iter().map(Track::shown), done);
+    explain::draw_progress(scene, &state.run, predicted.iter().map(Track::shown), done);
     match seen.events.last() {
         Some(Event::Enumerated(validation, joint) | Event::Weighed(validation, joint)) => {
             draw_associations(scene, validation, joint);

@@ -2,7 +2,6 @@
 
 use super::events::{Joint, Validation};
 use super::{Track, Weights};
-use crate::geometry::Grid;
 use crate::methods::{
     multi_object::explain::Names,
     numbers::{LENGTH_DECIMALS, RATIO_DECIMALS, SQUARED_DECIMALS},
@@ -30,16 +29,11 @@ pub(super) fn event_tables(validation: &Validation, joint: &Joint) -> Vec<Matrix
         None => 0.0,
     };
     let name = "track of each detection (columns) in each joint event (rows); 0: false alarm";
-    let probability = Matrix {
-        symbol: "P(θ)",
-        name: "probability of the joint event",
-        role: Some(Role::Best),
-        entries: Grid::from_fn(1, all.len(), |_, y| all[y].probability),
-        rows: names.rows.clone(),
-        columns: Vec::new(),
-        changed: None,
-        decimals: Some(RATIO_DECIMALS),
-    };
+    let probabilities: Vec<f64> = all.iter().map(|event| event.probability).collect();
+    let probability = Matrix::column("P(θ)", "probability of the joint event", &probabilities)
+        .with_role(Role::Best)
+        .with_rows(names.rows.iter())
+        .with_decimals(RATIO_DECIMALS);
     let origins = names.table(("θ", name), entry, &[]).map(|table| table.with_decimals(0));
     origins.into_iter().chain((!all.is_empty()).then_some(probability)).collect()
 }
@@ -64,23 +58,14 @@ pub(super) fn weight_table(validation: &Validation, joint: &Joint) -> Option<Mat
 pub(super) fn update_tables(before: &Track, weights: &Weights) -> Vec<Matrix> {
     let numbers = before.filter.association_numbers(weights.deviation, &weights.measured);
     let Some(numbers) = numbers else { return Vec::new() };
-    let axes: Vec<String> = ["x", "y"].map(String::from).into();
-    let states: Vec<String> = before.filter.names().iter().map(|name| (*name).into()).collect();
-    let matrix = |symbol, name, role, entries: Grid<f64>, rows: &[String]| Matrix {
-        symbol,
-        name,
-        role: Some(role),
-        columns: if entries.width() > 1 { axes.clone() } else { Vec::new() },
-        rows: rows.to_vec(),
-        changed: None,
-        decimals: None,
-        entries,
-    };
-    let innovation = Grid::from_fn(1, 2, |_, y| numbers.innovation[y]);
+    const AXES: [&str; 2] = ["x", "y"];
+    let matrix = |symbol, name, entries| Matrix::new(symbol, name, entries).with_rows(AXES).with_columns(AXES);
+    let innovation = Matrix::column("ν", "combined innovation", &numbers.innovation).with_rows(AXES);
+    let gain = matrix("K", "Kalman gain", numbers.gain).with_rows(before.filter.names().iter().copied());
     vec![
-        matrix("ν", "combined innovation", Role::Measured, innovation, &axes).with_decimals(LENGTH_DECIMALS),
-        matrix("S", "innovation covariance", Role::Predicted, numbers.covariance, &axes),
-        matrix("K", "Kalman gain", Role::Estimate, numbers.gain, &states),
-        matrix("V", "spread of the innovations", Role::Candidate, numbers.spread, &axes),
+        innovation.with_role(Role::Measured).with_decimals(LENGTH_DECIMALS),
+        matrix("S", "innovation covariance", numbers.covariance).with_role(Role::Predicted),
+        gain.with_role(Role::Estimate),
+        matrix("V", "spread of the innovations", numbers.spread).with_role(Role::Candidate),
     ]
 }

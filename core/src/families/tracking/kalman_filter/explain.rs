@@ -19,10 +19,6 @@ pub(super) use vocabulary::{case, value};
 /// A line of a plot: its name, its role and its points.
 type Line = (&'static str, Role, Vec<[f32; 2]>);
 
-fn point(place: [f64; 2]) -> [f32; 2] {
-    place.map(|c| c as f32)
-}
-
 /// The estimates of a frame up to a step.
 struct StepEstimates<'a> {
     frame: usize,
@@ -35,7 +31,6 @@ struct StepEstimates<'a> {
 }
 
 impl StepEstimates<'_> {
-    /// Returns the current estimate and its role.
     fn current(&self) -> Option<(&Filter, Role)> {
         let before = || self.before.as_ref().map(|filter| (filter, Role::Estimate));
         let predicted = || self.predicted.as_ref().map(|filter| (filter, Role::Predicted));
@@ -75,30 +70,30 @@ impl KalmanFilter {
         now
     }
 
-    pub(super) fn explained_step(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explain_step(&self, seen: &Seen<Self>) -> Step {
         let now = self.now(seen);
         let Some(event) = seen.events.last() else {
-            return self.charted(self.facts(Step::at(line::EACH_FRAME), seen, &now).say(case::OPENING), seen, &now);
+            return self.add_charts(self.facts(Step::at(line::EACH_FRAME), seen, &now).say(case::OPENING), seen, &now);
         };
-        let at = |line| self.concluded(self.facts(Step::at(line), seen, &now), seen);
+        let at = |line| self.conclude(self.facts(Step::at(line), seen, &now), seen);
         let step = match event {
-            Event::Mixed(before) => modes::mixed(at(line::MIX), before),
-            Event::Drawn(before) => modes::drawn(at(line::DRAW), before),
-            Event::Predicted(both) => predicted(at(line::PREDICT), both),
-            Event::Observed(observed) => self.observed(at(line::MEASURE), seen, observed),
-            Event::Gated(gated) => self.gated(at(line::GATE), seen, gated),
+            Event::Mixed(before) => modes::tell_mixing(at(line::MIX), before),
+            Event::Drawn(before) => modes::tell_sigma_points(at(line::DRAW), before),
+            Event::Predicted(both) => tell_prediction(at(line::PREDICT), both),
+            Event::Observed(observed) => self.tell_observations(at(line::MEASURE), seen, observed),
+            Event::Gated(gated) => self.tell_gate(at(line::GATE), seen, gated),
             Event::Updated(update) => match update.1.modes() {
-                Some(after) => modes::updated(at(line::UPDATE), &update.0, &after),
-                None => updated(at(line::UPDATE), &update.0, &update.1),
+                Some(after) => modes::tell_update(at(line::UPDATE), &update.0, &after),
+                None => tell_update(at(line::UPDATE), &update.0, &update.1),
             },
-            Event::Weighed(update) => modes::weighed(at(line::WEIGH_MODES), &update.0, &update.1),
+            Event::Weighed(update) => modes::tell_weights(at(line::WEIGH_MODES), &update.0, &update.1),
             Event::Begun(_, there) => {
                 let step = at(line::BEGIN_OBJECT).put(value::INITIAL_SPEED, self.initial_speed).say(case::BEGUN);
                 let step = step.put(value::OBJECT, self.object).put(value::DETECTIONS, *there);
                 let is_missing = *there > 0 && self.object > *there;
                 step.say_if(is_missing, if *there == 1 { case::ONLY_ONE } else { case::ONLY_SOME })
             }
-            Event::Retried(retry) => retried(at(line::RESTART), retry),
+            Event::Retried(retry) => tell_retry(at(line::RESTART), retry),
             Event::Missed(None) => waiting(at(line::BEGIN_OBJECT), seen),
             Event::Missed(Some(_)) => self.coasting(at(line::COAST_OR_END), seen, &now),
             Event::Lost(_, loss) => {
@@ -107,30 +102,29 @@ impl KalmanFilter {
             }
             Event::Smoothed(both) => {
                 let step = at(line::SMOOTH).put(value::SHIFT, distance(both[0].place(), both[1].place()));
-                spread(step, both).say(case::SMOOTHED)
+                tell_spread(step, both).say(case::SMOOTHED)
             }
             Event::Kept(Some(_)) => at(line::EACH_FRAME_BACK).say(case::KEPT),
             // The end of a run is about its result, not about a frame before the track.
             Event::Kept(None) => at(line::EACH_FRAME_BACK).say_if(self.ended(seen).is_none(), case::NOTHING_TO_SMOOTH),
         };
-        self.charted(step, seen, &now)
+        self.add_charts(step, seen, &now)
     }
 
     /// Adds the numbers of the run at its end, and those of the current estimate, measurement and truth.
     fn facts(&self, step: Step, seen: &Seen<Self>, now: &StepEstimates) -> Step {
         let step = self.errors(step.fact(shared::FRAME, now.frame), seen);
-        let Some((filter, role)) = now.current() else { return measured(step, now) };
+        let Some((filter, role)) = now.current() else { return put_measurement(step, now) };
         let ([u, v], [[xx, _], [_, yy]]) = (filter.velocity(), filter.place_covariance());
         let step = step.fact_of(shared::POSITION.is(filter.place()).inked(role)).fact(shared::VELOCITY, [u, v]);
         let step = step.fact(shared::SPEED, u.hypot(v)).fact(shared::DEVIATIONS, [xx.sqrt(), yy.sqrt()]);
-        let step = measured(modes::probable(step, filter), now);
+        let step = put_measurement(modes::probable(step, filter), now);
         let Some(truth) = truth(seen) else { return step };
         let step = step.fact(shared::TRUTH, truth).fact(shared::ERROR, distance(truth, filter.place()));
         step.fact_if(shared::NEES, filter.squared_error(truth))
     }
 
-    /// Tells the measurements of a frame.
-    fn observed(&self, step: Step, seen: &Seen<Self>, observed: &Observations) -> Step {
+    fn tell_observations(&self, step: Step, seen: &Seen<Self>, observed: &Observations) -> Step {
         let [first, second] = [0, 1].map(|sensor| observed.measured.iter().find(|reading| reading.sensor == sensor));
         let step = match first {
             Some(reading) => {
@@ -164,8 +158,8 @@ impl KalmanFilter {
         step.say(case::SECOND).say(case::NOISE)
     }
 
-    /// Compares d² with the gate, and tells what to change after three clicked positions in a row outside it.
-    fn gated(&self, step: Step, seen: &Seen<Self>, gated: &Gated) -> Step {
+    /// Compares d² with the gate; after three clicked positions in a row outside it, tells the remedy.
+    fn tell_gate(&self, step: Step, seen: &Seen<Self>, gated: &Gated) -> Step {
         let step = step.put(shared::GATE_PROBABILITY, 100.0 * f64::from(self.gate));
         let step = step.put(shared::DIMENSION, gated.measurement().numbers());
         let step = step.say(if gated.reading.sensor == 0 { case::DISTANCE } else { case::SECOND_DISTANCE });
@@ -204,7 +198,7 @@ impl KalmanFilter {
         }
     }
 
-    fn charted(&self, step: Step, seen: &Seen<Self>, now: &StepEstimates) -> Step {
+    fn add_charts(&self, step: Step, seen: &Seen<Self>, now: &StepEstimates) -> Step {
         let records = seen.before.records.iter().map(|record| &**record);
         let matrices = matrices(seen.events.last(), now.current(), records);
         let step = if matrices.is_empty() { step } else { step.show(Readout::Matrices(matrices)) };
@@ -238,20 +232,20 @@ impl KalmanFilter {
 }
 
 /// Adds the last measurement and its gate.
-fn measured(step: Step, now: &StepEstimates) -> Step {
+fn put_measurement(step: Step, now: &StepEstimates) -> Step {
     let Some(gated) = now.gated.last() else { return step };
     let step = step.fact(shared::MEASUREMENT, gated.measurement().place).put(shared::GATE, gated.limit);
     step.fact_as(shared::SQUARED_DISTANCE.is(gated.squared_distance), case::NIS_AND_GATE)
 }
 
 /// Puts the standard deviation of the position before and after a step.
-fn spread(step: Step, [before, after]: &[Filter; 2]) -> Step {
+fn tell_spread(step: Step, [before, after]: &[Filter; 2]) -> Step {
     step.put(shared::DEVIATION_BEFORE, deviation(before)).put(shared::DEVIATION, deviation(after))
 }
 
-/// Tells the prediction, and what increases its covariance.
-fn predicted(step: Step, both: &[Filter; 2]) -> Step {
-    let step = spread(step, both).say(case::PREDICTED).say(match both[1] {
+/// Tells the prediction, and the cause of its larger covariance.
+fn tell_prediction(step: Step, both: &[Filter; 2]) -> Step {
+    let step = tell_spread(step, both).say(case::PREDICTED).say(match both[1] {
         Filter::Velocity(..) => case::BY_VELOCITY,
         Filter::Acceleration(..) => case::BY_ACCELERATION,
         Filter::Turn(..) | Filter::Interacting(..) => case::BY_TURN,
@@ -259,11 +253,10 @@ fn predicted(step: Step, both: &[Filter; 2]) -> Step {
     equation::prediction(step.say(case::SPREAD), both)
 }
 
-/// Tells the update of state and covariance by an accepted measurement.
-fn updated(step: Step, gated: &Gated, after: &Filter) -> Step {
+fn tell_update(step: Step, gated: &Gated, after: &Filter) -> Step {
     let from = &gated.expected;
     let Some(numbers) = from.update_numbers(gated.measurement()) else { return step };
-    let step = spread(step, &[*from, *after]).put(shared::POSITION_BEFORE, from.place());
+    let step = tell_spread(step, &[*from, *after]).put(shared::POSITION_BEFORE, from.place());
     let step = step.put(shared::VELOCITY_BEFORE, from.velocity()).put(shared::GAIN, numbers.gain[(0, 0)]);
     equation::update(step.say(case::UPDATED), (gated, &numbers), after)
 }
@@ -286,8 +279,8 @@ fn waiting(step: Step, seen: &Seen<KalmanFilter>) -> Step {
 }
 
 /// Tells the detections of a diverged track that are filtered again.
-fn retried(step: Step, retry: &Retry) -> Step {
-    let step = tried(step.put(value::FIRST_FRAME, retry.first), &retry.diverged).say(case::DIVERGED);
+fn tell_retry(step: Step, retry: &Retry) -> Step {
+    let step = tell_trial(step.put(value::FIRST_FRAME, retry.first), &retry.diverged).say(case::DIVERGED);
     let step = trials(step, &retry.others);
     let Some(restart) = &retry.restart else { return step.say(case::NOT_RESTARTED) };
     put_restart(step, restart).say(if restart.first == retry.first { case::RESTARTED } else { case::STARTED_ANEW })
@@ -300,7 +293,7 @@ fn put_restart(step: Step, Restart { trial, first, .. }: &Restart) -> Step {
 }
 
 /// Puts a motion model with the number of measurements that it accepts.
-fn tried(step: Step, trial: &Trial) -> Step {
+fn tell_trial(step: Step, trial: &Trial) -> Step {
     let step = step.put(value::MODEL, trial.motion.label().to_lowercase());
     step.put(value::ACCEPTED, trial.accepted).put(value::GATED, trial.measured)
 }
@@ -308,7 +301,7 @@ fn tried(step: Step, trial: &Trial) -> Step {
 /// Tells the numbers of accepted measurements of motion models.
 fn trials(step: Step, trials: &[Trial]) -> Step {
     let step = step.say_if(trials.is_empty(), case::NO_TRIAL);
-    trials.iter().fold(step, |step, trial| tried(step, trial).say(case::TRIAL))
+    trials.iter().fold(step, |step, trial| tell_trial(step, trial).say(case::TRIAL))
 }
 
 /// Whether all measurements are of other objects than the tracked one, or none is; `None` where they differ or it is unknown.
@@ -317,7 +310,6 @@ fn of_another(measurements: &[&Gated]) -> Option<bool> {
     measurements.iter().all(|gated| gated.reading.is_of_another() == Some(first)).then_some(first)
 }
 
-/// The current frame.
 fn frame_of(state: &State) -> usize {
     let count = state.records.len();
     state.span.first + state.back.map_or(count, |done| count.saturating_sub(done + 1))

@@ -11,18 +11,10 @@ const MEASURED: [&str; 4] = ["x", "y", "u", "v"];
 /// The rounding tolerance of entries, as a share of the largest one of the matrix.
 const ROUNDING: f64 = 1e-12;
 
-/// A column vector.
-pub(super) fn column(values: &[f64]) -> Grid<f64> {
-    Grid::from_fn(1, values.len(), |_, y| values[y])
-}
-
-fn owned(names: &[&str]) -> Vec<String> {
-    names.iter().map(|name| (*name).into()).collect()
-}
-
-/// Returns a matrix without row and column names.
-fn matrix(symbol: &'static str, name: &'static str, role: Option<Role>, entries: Grid<f64>) -> Matrix {
-    Matrix { symbol, name, role, entries, rows: Vec::new(), columns: Vec::new(), changed: None, decimals: None }
+/// A square matrix with the same labels of rows and columns.
+fn square(symbol: &'static str, name: &'static str, entries: Grid<f64>, labels: &[&str]) -> Matrix {
+    let matrix = Matrix::new(symbol, name, entries);
+    matrix.with_rows(labels.iter().copied()).with_columns(labels.iter().copied())
 }
 
 /// Lights the entries that differ from `before`, if that is comparable.
@@ -46,22 +38,24 @@ fn estimate_matrices(filter: &Filter, before: Option<&Filter>, role: Role) -> [M
     } else {
         [("x", "state"), ("P", "state covariance")]
     };
-    named_matrices(filter, before, (role, names))
+    named_matrices(filter, before, role, names)
 }
 
 /// The state and its covariance under these names.
 fn named_matrices(
     filter: &Filter,
     before: Option<&Filter>,
-    (role, [x, p]): (Role, [(&'static str, &'static str); 2]),
+    role: Role,
+    [x, p]: [(&'static str, &'static str); 2],
 ) -> [Matrix; 2] {
-    let rows = owned(filter.names());
-    let state = matrix(x.0, x.1, Some(role), column(&filter.state())).with_decimals(filter.decimals());
-    let state = Matrix { rows: rows.clone(), ..state };
-    let covariance = matrix(p.0, p.1, Some(role), filter.covariance());
-    let covariance = Matrix { columns: rows.clone(), rows, ..covariance };
+    let names = filter.names();
+    let state = |filter: &Filter| Matrix::column(x.0, x.1, &filter.state()).with_rows(names.iter().copied());
+    let covariance = square(p.0, p.1, filter.covariance(), names).with_role(role);
     [
-        lit(state, before.map(|before| column(&before.state())).as_ref()),
+        lit(
+            state(filter).with_role(role).with_decimals(filter.decimals()),
+            before.map(|before| state(before).entries).as_ref(),
+        ),
         lit(covariance, before.map(Filter::covariance).as_ref()),
     ]
 }
@@ -69,32 +63,28 @@ fn named_matrices(
 /// The matrices of an update, lit where they differ from those before.
 fn of_update(numbers: &UpdateNumbers, before: Option<&UpdateNumbers>, names: &[&'static str]) -> [Matrix; 5] {
     let UpdateNumbers { observation, noise, residual, covariance, gain, .. } = numbers;
-    let measured = owned(&MEASURED[..residual.len()]);
-    let square = |symbol: &'static str, meaning, entries: &Grid<f64>| Matrix {
-        rows: measured.clone(),
-        columns: measured.clone(),
-        ..matrix(symbol, meaning, None, entries.clone())
-    };
-    let innovation = matrix("ν", "innovation", Some(Role::Best), column(residual)).with_decimals(LENGTH_DECIMALS);
+    let measured = &MEASURED[..residual.len()];
+    let innovation = |residual: &[f64]| Matrix::column("ν", "innovation", residual).with_rows(measured.iter().copied());
     let gain = named_gain(("K", "Kalman gain"), gain, names);
-    let observation = Matrix {
-        rows: measured.clone(),
-        columns: owned(names),
-        ..matrix("H", "measurement matrix", None, observation.clone()).with_decimals(0)
-    };
+    let observation = square("H", "measurement matrix", observation.clone(), measured).with_decimals(0);
     [
-        lit(Matrix { rows: measured.clone(), ..innovation }, before.map(|before| column(&before.residual)).as_ref()),
-        lit(square("S", "innovation covariance", covariance), before.map(|before| &before.covariance)),
+        lit(
+            innovation(residual).with_role(Role::Best).with_decimals(LENGTH_DECIMALS),
+            before.map(|before| innovation(&before.residual).entries).as_ref(),
+        ),
+        lit(
+            square("S", "innovation covariance", covariance.clone(), measured),
+            before.map(|before| &before.covariance),
+        ),
         lit(gain, before.map(|before| &before.gain)),
-        lit(square("R", "measurement noise covariance", noise), before.map(|before| &before.noise)),
-        lit(observation, before.map(|before| &before.observation)),
+        lit(square("R", "measurement noise covariance", noise.clone(), measured), before.map(|before| &before.noise)),
+        lit(observation.with_columns(names.iter().copied()), before.map(|before| &before.observation)),
     ]
 }
 
-/// A Kalman gain under its name.
 fn named_gain((symbol, name): (&'static str, &'static str), gain: &Grid<f64>, names: &[&'static str]) -> Matrix {
-    let columns = owned(&MEASURED[..gain.width()]);
-    Matrix { rows: owned(names), columns, ..matrix(symbol, name, None, gain.clone()) }
+    let columns = MEASURED.into_iter().take(gain.width());
+    Matrix::new(symbol, name, gain.clone()).with_rows(names.iter().copied()).with_columns(columns)
 }
 
 /// State, covariance and gain of each mode after its update.
@@ -108,7 +98,7 @@ fn of_modes(gated: &Gated, after: &[Filter; 2]) -> Vec<Matrix> {
         let ([x, p, k], before) = (NAMES[i], before.as_ref().map(|modes| &modes[i]));
         let numbers = before.and_then(|before| before.update_numbers(gated.measurement()));
         let gain = numbers.map(|numbers| named_gain(k, &numbers.gain, after[i].names()));
-        named_matrices(&after[i], before, (modes::ROLES[i], [x, p])).into_iter().chain(gain)
+        named_matrices(&after[i], before, modes::ROLES[i], [x, p]).into_iter().chain(gain)
     };
     (0..2).flat_map(of_mode).collect()
 }
@@ -116,12 +106,7 @@ fn of_modes(gated: &Gated, after: &[Filter; 2]) -> Vec<Matrix> {
 /// F and Q of a prediction, lit where they differ from those of the prediction before; sigma points have a regression A instead of F.
 fn of_prediction(from: &Filter, before: Option<&Filter>) -> [Matrix; 2] {
     let (now, before) = (from.prediction_numbers(), before.map(Filter::prediction_numbers));
-    let names = owned(from.names());
-    let square = |symbol: &'static str, meaning, entries| Matrix {
-        rows: names.clone(),
-        columns: names.clone(),
-        ..matrix(symbol, meaning, None, entries)
-    };
+    let names = from.names();
     // The entries of a linear model are 0, 1 and ½.
     let decimals = match from {
         Filter::Velocity(..) => Some(0),
@@ -132,10 +117,10 @@ fn of_prediction(from: &Filter, before: Option<&Filter>) -> [Matrix; 2] {
         Some(_) => ("A", "linear regression of f(x) on x"),
         None => ("F", "transition matrix"),
     };
-    let transition = Matrix { decimals, ..square(symbol, meaning, now.transition) };
+    let transition = Matrix { decimals, ..square(symbol, meaning, now.transition, names) };
     [
         lit(transition, before.as_ref().map(|before| &before.transition)),
-        lit(square("Q", "process noise covariance", now.noise), before.as_ref().map(|before| &before.noise)),
+        lit(square("Q", "process noise covariance", now.noise, names), before.as_ref().map(|before| &before.noise)),
     ]
 }
 
@@ -182,12 +167,7 @@ pub(super) fn matrices<'a>(
         }
         Some(Event::Smoothed(both)) => {
             let [filtered, smoothed] = &**both;
-            let names = owned(filtered.names());
-            let gain = filtered.smoothing_gain().map(|gain| Matrix {
-                rows: names.clone(),
-                columns: names,
-                ..matrix("C", "smoother gain", None, gain)
-            });
+            let gain = filtered.smoothing_gain().map(|gain| square("C", "smoother gain", gain, filtered.names()));
             estimate_matrices(smoothed, Some(filtered), Role::Result).into_iter().chain(gain).collect()
         }
         Some(_) => current.map_or_else(Vec::new, |(filter, role)| estimate_matrices(filter, None, role).to_vec()),

@@ -13,7 +13,7 @@ pub(super) const ROLES: [Role; 2] = [Role::Reference, Role::Candidate];
 /// The probability inside the drawn ellipse of a mode.
 const CONFIDENCE: f64 = 0.95;
 
-fn point(place: [f64; 2]) -> [f32; 2] {
+pub(super) fn point(place: [f64; 2]) -> [f32; 2] {
     place.map(|c| c as f32)
 }
 
@@ -26,24 +26,23 @@ fn curvature(sigma: &Sigma) -> f64 {
     apart(sigma.moved.first().copied().unwrap_or(sigma.mean), sigma.mean)
 }
 
-/// Tells the mixing of the modes.
-pub(super) fn mixed(step: Step, before: &Filter) -> Step {
+pub(super) fn tell_mixing(step: Step, before: &Filter) -> Step {
     let (Some(mixing), Some(transitions)) = (before.mixing(), before.transitions()) else { return step };
     let [[kept, to_turn], [to_velocity, kept_turn]] = mixing.weights;
     let step = step.put(value::VELOCITY_KEPT, kept).put(value::VELOCITY_MIXED, to_velocity);
     let step = step.put(value::TURN_KEPT, kept_turn).put(value::TURN_MIXED, to_turn);
-    let step = predicted_probabilities(step.put(value::SWITCH, transitions[0][1]), mixing.modes.probabilities);
+    let step = put_predicted_probabilities(step.put(value::SWITCH, transitions[0][1]), mixing.modes.probabilities);
     step.say(case::MIXED)
         .formula(r"\mu_{i \text{|} j} = \frac{p_{ij} \mu_i}{\sum_i p_{ij} \mu_i}")
         .formula(r"\mu_{1 \text{|} 2} = \frac{{switch} \cdot {velocity_probability}}{{predicted_turn}} = {turn_mixed}")
 }
 
-fn predicted_probabilities(step: Step, [velocity, turn]: [f64; 2]) -> Step {
+fn put_predicted_probabilities(step: Step, [velocity, turn]: [f64; 2]) -> Step {
     step.put(value::PREDICTED_VELOCITY, velocity).put(value::PREDICTED_TURN, turn)
 }
 
 /// Tells the sigma points that are drawn, and their weights.
-pub(super) fn drawn(step: Step, before: &Filter) -> Step {
+pub(super) fn tell_sigma_points(step: Step, before: &Filter) -> Step {
     let Some(sigma) = before.sigma() else { return step.say(case::NOT_DEFINITE) };
     let reach = sigma.drawn.iter().map(|at| apart(*at, sigma.drawn[0])).fold(0.0, f64::max);
     let step = step.put(value::SIGMA_POINTS, sigma.drawn.len()).put(value::REACH, reach);
@@ -57,7 +56,6 @@ pub(super) fn drawn(step: Step, before: &Filter) -> Step {
         .formula(r"w_i = w_i^{(c)} = \frac{1}{2 c^2} = {pair_weight}")
 }
 
-/// Adds the weights of sigma points.
 fn weights(step: Step, sigma: &Sigma) -> Step {
     let unscented::Weights { center, center_spread, pair } = sigma.weights;
     let step = step.put(value::STATE_DIMENSION, sigma.drawn.len() / 2);
@@ -67,7 +65,7 @@ fn weights(step: Step, sigma: &Sigma) -> Step {
 }
 
 /// Tells the prediction by sigma points, and its difference from one by the Jacobian.
-pub(super) fn moved(step: Step, sigma: &Sigma) -> Step {
+pub(super) fn tell_moved_points(step: Step, sigma: &Sigma) -> Step {
     let step = weights(step.put(value::CURVATURE, curvature(sigma)), sigma).say(case::BENT);
     step.formula(r"\mathbf{x}^- = \sum_i w_i f(\chi_i),\; w_0 = {center_weight},\; w_i = {pair_weight}")
         .formula(
@@ -76,8 +74,7 @@ pub(super) fn moved(step: Step, sigma: &Sigma) -> Step {
         .formula(r"\mathbf{A} = \sum_i w_i (f(\chi_i) - \mathbf{x}^-)(\chi_i - \mathbf{x})^\top \mathbf{P}^{-1}")
 }
 
-/// Tells the update of each mode.
-pub(super) fn updated(step: Step, gated: &Gated, after: &[Filter; 2]) -> Step {
+pub(super) fn tell_update(step: Step, gated: &Gated, after: &[Filter; 2]) -> Step {
     let Some(before) = gated.expected.modes() else { return step };
     let of = [(value::VELOCITY_GAIN, value::VELOCITY_POSITION), (value::TURN_GAIN, value::TURN_POSITION)];
     let step = of.into_iter().zip(before.iter().zip(after)).fold(step, |step, ((gain, position), (before, after))| {
@@ -91,12 +88,12 @@ pub(super) fn updated(step: Step, gated: &Gated, after: &[Filter; 2]) -> Step {
 }
 
 /// Tells the probabilities of the modes after a measurement.
-pub(super) fn weighed(step: Step, gated: &Gated, after: &Filter) -> Step {
+pub(super) fn tell_weights(step: Step, gated: &Gated, after: &Filter) -> Step {
     let logs = gated.expected.log_likelihoods(gated.measurement());
     let (Some(logs), Some(before), Some(now)) = (logs, gated.expected.probabilities(), after.probabilities()) else {
         return step;
     };
-    let step = compared(predicted_probabilities(step, before), logs, [before, now]).say(case::WEIGHED);
+    let step = tell_change(put_predicted_probabilities(step, before), logs, [before, now]).say(case::WEIGHED);
     step.put(value::LIKELIHOOD_RATIO, logs[1] - logs[0])
         .formula(r"\mu_j \gets \frac{\mu_j \Lambda_j}{\sum_j \mu_j \Lambda_j},\; \Lambda_j = N(\nu_j; 0, \mathbf{S}_j)")
         .formula(
@@ -105,7 +102,7 @@ pub(super) fn weighed(step: Step, gated: &Gated, after: &Filter) -> Step {
 }
 
 /// Tells the change of the probabilities of the modes, before and after the log-likelihoods, to the decimals that are shown.
-fn compared(step: Step, logs: [f64; 2], [before, now]: [[f64; 2]; 2]) -> Step {
+fn tell_change(step: Step, logs: [f64; 2], [before, now]: [[f64; 2]; 2]) -> Step {
     let better = usize::from(logs[1] > logs[0]);
     let step = step.put(value::VELOCITY_LIKELIHOOD, logs[0]).put(value::TURN_LIKELIHOOD, logs[1]);
     let step = step.put(value::BETTER_BEFORE, before[better]);
@@ -120,7 +117,7 @@ fn compared(step: Step, logs: [f64; 2], [before, now]: [[f64; 2]; 2]) -> Step {
 }
 
 /// Adds the predicted x as the mean of the predictions of both modes.
-pub(super) fn predicted(step: Step, after: &Filter) -> Step {
+pub(super) fn tell_prediction(step: Step, after: &Filter) -> Step {
     let (Some(modes), Some(weights)) = (after.modes(), after.probabilities()) else { return step };
     let all = [0, 1].map(|i| modes[i].place()[0]);
     let share = |i: usize, decimals: usize| rounded(weights[i], decimals + RATIO_DECIMALS - LENGTH_DECIMALS);
@@ -134,14 +131,13 @@ pub(super) fn predicted(step: Step, after: &Filter) -> Step {
         .formula(r"x^- = {velocity_probability} \cdot {velocity_x} + {turn_probability} \cdot {turn_x} = {x}")
 }
 
-/// Adds the probabilities of the modes of a filter.
 pub(super) fn probable(step: Step, filter: &Filter) -> Step {
     let Some([velocity, turn]) = filter.probabilities() else { return step };
     step.fact(value::VELOCITY_PROBABILITY, velocity).fact(value::TURN_PROBABILITY, turn)
 }
 
 /// Tells which mode was active, or how much the sigma points changed, at the end of a run.
-pub(super) fn concluded<'a>(step: Step, records: impl Iterator<Item = &'a FrameRecord>, noise_px: f64) -> Step {
+pub(super) fn conclude<'a>(step: Step, records: impl Iterator<Item = &'a FrameRecord>, noise_px: f64) -> Step {
     let filters: Vec<Filter> = records.filter_map(|record| record.filtered).collect();
     let probabilities: Vec<[f64; 2]> = filters.iter().filter_map(Filter::probabilities).collect();
     if !probabilities.is_empty() {
@@ -156,9 +152,10 @@ pub(super) fn concluded<'a>(step: Step, records: impl Iterator<Item = &'a FrameR
 }
 
 fn modes_matrix(symbol: &'static str, name: &'static str, entries: Grid<f64>) -> Matrix {
-    let names = vec!["velocity".to_owned(), "turn".to_owned()];
-    let columns = if entries.width() == 2 { names.clone() } else { Vec::new() };
-    Matrix { symbol, name, role: None, entries, rows: names, columns, changed: None, decimals: Some(RATIO_DECIMALS) }
+    const NAMES: [&str; 2] = ["velocity", "turn"];
+    let columns = if entries.width() == 2 { &NAMES[..] } else { &[] };
+    let matrix = Matrix::new(symbol, name, entries).with_decimals(RATIO_DECIMALS);
+    matrix.with_rows(NAMES).with_columns(columns.iter().copied())
 }
 
 /// The probabilities of the modes as a column, with those that differ from `before` lit.
@@ -170,7 +167,6 @@ pub(super) fn probabilities(filter: &Filter, before: Option<&Filter>) -> Option<
     Some(Matrix { changed, ..modes_matrix("μ", "mode probabilities", column(now)) })
 }
 
-/// The matrices of the mixing.
 pub(super) fn mixing_matrices(before: &Filter) -> Vec<Matrix> {
     let (Some(mixing), Some(transitions)) = (before.mixing(), before.transitions()) else { return Vec::new() };
     let square = |of: [[f64; 2]; 2]| Grid::from_fn(2, 2, |x, y| of[y][x]);
@@ -185,23 +181,28 @@ pub(super) fn draw(filter: &Filter, scene: &mut Scene) {
     for ((mode, role), meaning) in modes.iter().zip(ROLES).zip(["mode: constant velocity", "mode: coordinated turn"]) {
         let Some(shape) = ellipse(mode.place(), mode.place_covariance(), CONFIDENCE) else { continue };
         scene.mark(Picture::CURRENT, role, shape);
-        scene.mark(Picture::CURRENT, role, Shape::Points(vec![point(mode.place())]));
-        scene.legend(role, meaning);
+        scene.draw(Picture::CURRENT, (role, meaning), Shape::Points(vec![point(mode.place())]));
     }
 }
 
 /// Draws the sigma points of a prediction: drawn, or moved too.
 pub(super) fn draw_points(before: &Filter, are_moved: bool, scene: &mut Scene) {
     let Some(Sigma { drawn, moved, .. }) = before.sigma() else { return };
-    scene.mark(Picture::CURRENT, Role::Candidate, Shape::Points(drawn.iter().copied().map(point).collect()));
-    scene.legend(Role::Candidate, "sigma points");
+    scene.draw(
+        Picture::CURRENT,
+        (Role::Candidate, "sigma points"),
+        Shape::Points(drawn.iter().copied().map(point).collect()),
+    );
     if !are_moved {
         return;
     }
     let arrow = |(from, to): (&[f64; 2], &[f64; 2])| Arrow { from: point(*from), to: point(*to) };
     scene.mark(Picture::CURRENT, Role::Window, Shape::Arrows(drawn.iter().zip(&moved).map(arrow).collect()));
-    scene.mark(Picture::CURRENT, Role::Window, Shape::Points(moved.into_iter().map(point).collect()));
-    scene.legend(Role::Window, "moved sigma points");
+    scene.draw(
+        Picture::CURRENT,
+        (Role::Window, "moved sigma points"),
+        Shape::Points(moved.into_iter().map(point).collect()),
+    );
 }
 
 /// The probability of the turn in each frame, and of constant velocity.
@@ -226,7 +227,7 @@ mod tests {
             let step = Step::at(super::super::line::WEIGH_MODES).put(value::VELOCITY_PROBABILITY, velocity);
             step.put(value::TURN_PROBABILITY, turn)
         };
-        let of = |logs, before, now| compared(step(now), logs, [before, now]);
+        let of = |logs, before, now| tell_change(step(now), logs, [before, now]);
         let tie = of([-5.461, -5.4612], [0.5, 0.5], [0.50005, 0.49995]);
         assert!(tie.is(case::EQUALLY_LIKELY) && !tie.is(case::RISES), "{}", tie.sentence.plain());
         let win = of([-5.0, -4.0], [0.5, 0.5], [0.269, 0.731]);

@@ -107,7 +107,6 @@ impl KalmanFilter {
         Some(SensorReading { sensor: 0, measurement, detection: None, object, tracked, is_clicked: true })
     }
 
-    /// Returns the first sensor's measurement of a detection.
     fn first(&self, detection: &Detection) -> Measurement {
         let place = detection.center.map(f64::from);
         Measurement { place, place_deviation: f64::from(self.measurement_noise), velocity: None }

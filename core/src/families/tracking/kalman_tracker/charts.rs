@@ -35,15 +35,12 @@ fn estimate_matrices(
 ) -> [Matrix; 2] {
     let names: Vec<String> = filter.names().iter().map(|name| (*name).into()).collect();
     let state = |filter: &Filter| Grid::from_fn(1, names.len(), |_, y| filter.state()[y]);
-    let matrix = |(symbol, name), entries: Grid<f64>, old: Option<Grid<f64>>| Matrix {
-        symbol,
-        name,
-        role: Some(role),
-        decimals: None,
-        rows: names.clone(),
-        columns: if entries.width() > 1 { names.clone() } else { Vec::new() },
-        changed: old.map(|old| Grid::from_fn(old.width(), old.height(), |x, y| entries[(x, y)] != old[(x, y)])),
-        entries,
+    let matrix = |(symbol, name), entries: Grid<f64>, old: Option<Grid<f64>>| {
+        let columns = if entries.width() > 1 { names.clone() } else { Vec::new() };
+        let differs = |old: Grid<f64>| Grid::from_fn(old.width(), old.height(), |x, y| entries[(x, y)] != old[(x, y)]);
+        let changed = old.map(differs);
+        let matrix = Matrix::new(symbol, name, entries).with_role(role).with_rows(names.clone()).with_columns(columns);
+        Matrix { changed, ..matrix }
     };
     [
         matrix(named[0], state(filter), before.map(state)).with_decimals(filter.decimals()),

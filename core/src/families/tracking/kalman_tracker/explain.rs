@@ -9,8 +9,7 @@ use crate::methods::{
     kalman::Measurement,
     multi_object::{
         explain::{self, Names},
-        tracking::{self, MultiTracking, errors, selected},
-        truth,
+        tracking::{self, MultiTracking, selected},
         vocabulary::{case as shared_case, value as shared},
     },
 };
@@ -19,9 +18,9 @@ use crate::run::Seen;
 use crate::scene::{Arrow, Name, Picture, Readout, Role, Scene, Shape, Step, Unit};
 
 impl KalmanTracker {
-    pub(super) fn explained_step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
+    pub(super) fn explain_step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
         let run = &seen.after.unwrap_or(seen.before).run;
-        let step = self.told(seen);
+        let step = self.tell_event(seen);
         let is_of_track = track_of(seen).is_some();
         let of_selected = selected(seen).filter(|_| seen.after.is_some() && !is_of_track);
         let of_selected = of_selected.map(|selected| matrices_of(selected.id, seen.events)).unwrap_or_default();
@@ -39,7 +38,7 @@ impl KalmanTracker {
         step.show_all(explain::series(run)).show_all(self.density(seen).and_then(|density| density.landscape()))
     }
 
-    fn told(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
+    fn tell_event(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
         let tracks = seen.after.unwrap_or(seen.before).tracks.len();
         let facts =
             |line: Name| Step::at(line).fact(shared::FRAME, seen.before.run.frame()).fact(shared::TRACKS, tracks);
@@ -58,12 +57,12 @@ impl KalmanTracker {
                     step.put(shared::DEVIATION, explain::deviation(&widest.filter)).say(case::PREDICTED)
                 }
             },
-            Some(Event::Costs(costs)) => self.gated(at(line::COMPUTE_COSTS), costs),
+            Some(Event::Costs(costs)) => self.tell_gates(at(line::COMPUTE_COSTS), costs),
             Some(Event::Assigned(costs, row, pair)) => {
-                self.assigned(of(line::ASSIGN, &costs.tracks[*row]), costs, *row, pair)
+                self.tell_assignment(of(line::ASSIGN, &costs.tracks[*row]), costs, *row, pair)
             }
             Some(Event::Updated(both, measurement)) => {
-                self.updated_track(of(line::UPDATE_TRACK, &both[1]), both, measurement)
+                self.tell_update(of(line::UPDATE_TRACK, &both[1]), both, measurement)
             }
             Some(Event::Missed(track)) => {
                 let step = of(line::COAST_OR_END, track).say(case::COASTS);
@@ -81,8 +80,7 @@ impl KalmanTracker {
         }
     }
 
-    /// Tells the gates.
-    fn gated(&self, step: Step, costs: &Costs) -> Step {
+    fn tell_gates(&self, step: Step, costs: &Costs) -> Step {
         let (has_gate, has_threshold) = (self.cost != PairCost::Overlap, self.iou_threshold > 0.0);
         let step = explain::tell_gate(self.limits(step, costs).put(value::GREEDY, costs.greedy), shared_case::GATED);
         let step = step.say_if(has_gate, shared_case::GATE).say(match (self.cost, has_threshold) {
@@ -123,7 +121,7 @@ impl KalmanTracker {
         }
     }
 
-    fn assigned(&self, step: Step, costs: &Costs, row: usize, pair: &Pair) -> Step {
+    fn tell_assignment(&self, step: Step, costs: &Costs, row: usize, pair: &Pair) -> Step {
         let step = self.limits(step, costs).put(shared::DETECTION, pair.column + 1).put(value::COST, pair.cost);
         let step = step.put(value::SCORE_THRESHOLD, self.score_threshold).say(case::ASSIGNED);
         let at_least = if self.iou_threshold > 0.0 { case::AT_LEAST } else { case::ABOVE_ZERO };
@@ -160,7 +158,7 @@ impl KalmanTracker {
     }
 
     /// The update of the state and its standard deviation, with the gain along x.
-    fn updated_track(&self, step: Step, [before, after]: &[Track; 2], measurement: &Measurement) -> Step {
+    fn tell_update(&self, step: Step, [before, after]: &[Track; 2], measurement: &Measurement) -> Step {
         let step = explain::put_prediction(step, &before.filter);
         // Each of several modes has a gain of its own.
         let numbers = before.filter.update_numbers(measurement).filter(|_| before.filter.modes().is_none());
@@ -192,34 +190,25 @@ impl KalmanTracker {
         }
     }
 
-    pub(super) fn drawn(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
+    pub(super) fn draw_marks(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
         let detected = match seen.events.first() {
             Some(Event::Detected(all, _)) => &all[..],
             _ => &[],
         };
-        explain::draw_detections(scene, detected);
-        let state = seen.after.unwrap_or(seen.before);
-        scene.is_overview = seen.after.is_some() && seen.point().is_none();
-        if seen.after.is_none() {
-            explain::number_detections(scene, detected);
-        }
-        if seen.after.is_some() || seen.events.is_empty() {
-            errors(seen).iter().for_each(|errors| truth::draw(scene, errors));
-            state.tracks.iter().for_each(|track| track.shown().draw_with_trail(scene, &state.run));
-        } else {
-            draw_work(seen, scene);
-        }
+        tracking::draw_detections(scene, seen, detected);
+        draw_tracks(scene, seen);
         if let Some(track) = track_of(seen) {
             explain::work_at(scene, track.bounds());
         }
     }
 }
 
-/// Draws the tracks within a frame: updated, or else predicted, with the assigned pairs as arrows.
-fn draw_work(seen: &Seen<MultiTracking<KalmanTracker>>, scene: &mut Scene) {
-    let run = &seen.before.run;
-    let Some(Event::Predicted(predicted)) = seen.events.get(1) else {
-        return seen.before.tracks.iter().for_each(|track| track.shown().draw_with_trail(scene, run));
+/// Draws the tracks: within a frame updated, or else predicted, with the assigned pairs as arrows.
+fn draw_tracks(scene: &mut Scene, seen: &Seen<MultiTracking<KalmanTracker>>) {
+    let state = seen.after.unwrap_or(seen.before);
+    let predicted = match seen.events.get(1) {
+        Some(Event::Predicted(predicted)) if seen.after.is_none() => predicted,
+        _ => return state.tracks.iter().for_each(|track| track.shown().draw_with_trail(scene, &state.run)),
     };
     let done = seen.events.iter().filter_map(|event| match event {
         Event::Updated(both, _) => Some((both[1].id, Some(both[1].shown()))),
@@ -227,7 +216,7 @@ fn draw_work(seen: &Seen<MultiTracking<KalmanTracker>>, scene: &mut Scene) {
         Event::Deleted(track) => Some((track.id, None)),
         _ => None,
     });
-    explain::draw_progress(scene, run, predicted.iter().map(Track::shown), done);
+    explain::draw_progress(scene, &state.run, predicted.iter().map(Track::shown), done);
     let chosen = seen.events.iter().filter_map(|event| match event {
         Event::Assigned(costs, row, pair) => {
             let from = costs.tracks[*row].filter.place().map(|c| c as f32);
@@ -241,7 +230,6 @@ fn draw_work(seen: &Seen<MultiTracking<KalmanTracker>>, scene: &mut Scene) {
     }
 }
 
-/// The track of the step.
 fn track_of<'a>(seen: &Seen<'a, MultiTracking<KalmanTracker>>) -> Option<&'a Track> {
     match seen.events.last()? {
         Event::Updated(both, _) => Some(&both[1]),
@@ -270,7 +258,7 @@ mod tests {
     fn updated(tracker: &KalmanTracker, before: &Track, found: &Detection) -> (Track, Step) {
         let (after, measurement) = (tracker.updated(before, found, (320, 240)), tracker.dynamics.measurement(found));
         let step = explain::add_track(Step::at(line::UPDATE_TRACK), &after.shown(), tracker.rules);
-        let step = tracker.updated_track(step, &[before.clone(), after.clone()], &measurement);
+        let step = tracker.tell_update(step, &[before.clone(), after.clone()], &measurement);
         (after, step)
     }
 

@@ -125,15 +125,9 @@ pub(super) fn branch_tables(expansion: &Expansion) -> Vec<Matrix> {
     let cells = (0..all.len()).flat_map(|row| (0..expansion.detections.len()).map(move |column| (row, column)));
     let lit: Vec<(usize, usize)> = cells.filter(|(row, column)| is_new(*row, *column)).collect();
     let name = "track of each detection (columns) in each branch (rows); 0: false alarm, lit: new track";
-    let column = |symbol, name, of: &dyn Fn(usize) -> f64| Matrix {
-        symbol,
-        name,
-        role: Some(Role::Best),
-        entries: Grid::from_fn(1, all.len(), |_, y| of(y)),
-        rows: names.rows.clone(),
-        columns: Vec::new(),
-        changed: None,
-        decimals: None,
+    let column = |symbol, name, of: &dyn Fn(usize) -> f64| {
+        let entries = Grid::from_fn(1, all.len(), |_, y| of(y));
+        Matrix::new(symbol, name, entries).with_role(Role::Best).with_rows(names.rows.iter())
     };
     let table = names.table(("Ω", name), entry, &lit).map(|table| table.with_decimals(0));
     let probability = column("P", "probability of the branch", &|y| all[y].probability);

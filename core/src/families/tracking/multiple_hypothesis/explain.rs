@@ -9,27 +9,26 @@ use super::vocabulary::{case, value};
 use super::{Cluster, Event, Leading, MultipleHypothesis, Pruning, Revision, State, line};
 use crate::methods::multi_object::{
     explain::{self, ShownTrack},
-    tracking::{self, MultiTracking, errors},
-    truth,
+    tracking::{self, MultiTracking},
     vocabulary::{case as shared_case, value as shared},
 };
 use crate::run::Seen;
 use crate::scene::{Arrow, Case, Name, Readout, Role, Scene, Step, Unit};
 
 impl MultipleHypothesis {
-    pub(super) fn explained_step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
+    pub(super) fn explain_step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
         let tables = match seen.events.last() {
             Some(Event::Gated(gates)) => distances(gates).into_iter().collect(),
             Some(Event::Expanded(_, expansion)) => branch_tables(expansion),
             _ => Vec::new(),
         };
-        let step = self.told(seen).show_all(self.tree(seen).map(Readout::Diagram));
+        let step = self.tell_event(seen).show_all(self.tree(seen).map(Readout::Diagram));
         let step = step.show_all((!tables.is_empty()).then_some(Readout::Matrices(tables)));
         let step = step.show_all(explain::series(&seen.after.unwrap_or(seen.before).run));
         step.show_all(density(seen).and_then(|density| density.landscape()))
     }
 
-    fn told(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
+    fn tell_event(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
         let frame = seen.before.run.frame();
         let at = |line: Name| {
             let of = |clusters: &[Cluster]| clusters.iter().map(|cluster| cluster.hypotheses.len()).sum::<usize>();
@@ -58,7 +57,7 @@ impl MultipleHypothesis {
                 let step = step.say(shared_case::GATE).say(shared_case::END).put(shared::CLUSTERS, all);
                 explain::tell_crowding(step.put(value::MERGED, merged).say(case::CLUSTERED), gates.crowded)
             }
-            Some(Event::Expanded(gates, expansion)) => self.expanded(at(line::EXPAND), gates, expansion),
+            Some(Event::Expanded(gates, expansion)) => self.tell_expansion(at(line::EXPAND), gates, expansion),
             Some(Event::Pruned(pruning)) => {
                 let Pruning { frame, clusters, removed, probability, .. } = **pruning;
                 let step = at(line::PRUNE).put(value::DECIDED_FRAME, frame).put(value::LATER_FRAMES, self.n_scan);
@@ -66,13 +65,13 @@ impl MultipleHypothesis {
                 let step = step.put(value::DELETED_PROBABILITY, probability);
                 step.say(if removed == 0 { case::ALIKE } else { case::PRUNED })
             }
-            Some(Event::Led(leading)) => self.led(at(line::LEAD), leading),
-            Some(Event::Revised(revisions)) => revised(at(line::REVISE), revisions),
+            Some(Event::Led(leading)) => self.tell_leading(at(line::LEAD), leading),
+            Some(Event::Revised(revisions)) => tell_revisions(at(line::REVISE), revisions),
             Some(Event::Done(done, conclusion)) => tracking::tell_end(at(line::EACH_FRAME), seen, (done, conclusion)),
         }
     }
 
-    fn expanded(&self, step: Step, gates: &Gates, expansion: &Expansion) -> Step {
+    fn tell_expansion(&self, step: Step, gates: &Gates, expansion: &Expansion) -> Step {
         let mut ids: Vec<u32> = expansion.tracks.iter().map(|track| track.id).collect();
         ids.dedup();
         let step = step.fact(value::PARENTS, expansion.parents.len()).fact(value::BRANCHES, expansion.branches.len());
@@ -101,7 +100,7 @@ impl MultipleHypothesis {
         self.formulas(step, gates, expansion)
     }
 
-    fn led(&self, step: Step, leading: &Leading) -> Step {
+    fn tell_leading(&self, step: Step, leading: &Leading) -> Step {
         let Leading { probability, clusters, hypotheses, scans, second, .. } = leading;
         let explained: Vec<Claim> = scans.iter().flat_map(|scan| scan.claims.iter().copied()).collect();
         let step = step.put(value::HYPOTHESES, *hypotheses).put(shared::CLUSTERS, *clusters);
@@ -146,20 +145,17 @@ impl MultipleHypothesis {
         .formula(r"\ln P = \ln (c P) - \ln c = {ln_weight} - {ln_sum} = {ln_probability}, P = {probability}")
     }
 
-    pub(super) fn drawn(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
+    pub(super) fn draw_marks(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
         let detected = match seen.events.first() {
             Some(Event::Detected(all, _)) => &all[..],
             _ => &[],
         };
-        explain::draw_detections(scene, detected);
-        scene.is_overview = seen.after.is_some() && seen.point().is_none();
+        tracking::draw_detections(scene, seen, detected);
         if let Some(after) = seen.after {
-            errors(seen).iter().for_each(|errors| truth::draw(scene, errors));
-            return draw_leading(scene, after, seen);
+            return draw_leading(scene, after);
         }
-        explain::number_detections(scene, detected);
         match seen.events.last() {
-            None | Some(Event::Detected(..)) => draw_leading(scene, seen.before, seen),
+            None | Some(Event::Detected(..)) => draw_leading(scene, seen.before),
             Some(Event::Predicted(tracks)) => tracks.iter().for_each(|track| draw_prediction(scene, track)),
             Some(Event::Gated(gates)) => gates.tracks.iter().for_each(|track| draw_prediction(scene, track)),
             Some(Event::Expanded(gates, expansion)) => draw_branches(scene, gates, expansion),
@@ -199,7 +195,7 @@ fn claims(step: Step, all: &[Claim]) -> Step {
     explain::tell_origins(step.say_if(all.is_empty(), case::NONE_TO_EXPLAIN), &origins).say(shared_case::END)
 }
 
-fn revised(step: Step, revisions: &[Revision]) -> Step {
+fn tell_revisions(step: Step, revisions: &[Revision]) -> Step {
     let Some(first) = revisions.first() else { return step };
     let of = |id: Option<u32>| id.map(|id| (id, shared_case::OF_TRACK));
     let step = step.fact(value::REVISED, revisions.len()).put(value::REVISED_FRAME, first.frame);
@@ -224,12 +220,10 @@ fn draw_track(scene: &mut Scene, track: &Track) {
 }
 
 /// Draws the tracks of the leading hypotheses with their trajectories.
-fn draw_leading(scene: &mut Scene, state: &State, seen: &Seen<MultiTracking<MultipleHypothesis>>) {
-    let run = &seen.after.unwrap_or(seen.before).run;
+fn draw_leading(scene: &mut Scene, state: &State) {
     for cluster in &state.tracks {
         for track in cluster.hypotheses.first().iter().flat_map(|leader| &leader.tracks) {
-            let track = &cluster.tracks[*track];
-            track.shown().draw_with_trail(scene, run);
+            cluster.tracks[*track].shown().draw_with_trail(scene, &state.run);
         }
     }
 }
@@ -261,7 +255,7 @@ fn draw_branches(scene: &mut Scene, gates: &Gates, expansion: &Expansion) {
     explain::work_on(scene, expansion.tracks.iter().map(|track| track.bounds()).chain(detections));
 }
 
-/// Draws the leading hypothesis, and the boxes of the second where it explains this frame otherwise.
+/// Draws the leading hypothesis, and the boxes of the second where it explains this frame differently.
 fn draw_second(scene: &mut Scene, leading: &Leading, frame: usize) {
     let tracks = leading.scans.iter().flat_map(|scan| &scan.tracks);
     tracks.clone().for_each(|track| draw_track(scene, track));

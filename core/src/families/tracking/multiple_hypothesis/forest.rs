@@ -48,14 +48,14 @@ pub enum Origin {
     False,
 }
 
-/// What a hypothesis says of a detection.
+/// How a hypothesis explains a detection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Claim {
     pub detection: usize,
     pub origin: Origin,
 }
 
-/// What a hypothesis says of a scan.
+/// How a hypothesis explains the detections of a scan.
 #[derive(Clone, Debug)]
 pub struct Scan {
     pub frame: usize,
@@ -89,7 +89,7 @@ impl Hypothesis {
         self.ln_probability.exp()
     }
 
-    /// Returns what it says of a frame.
+    /// Returns its explanation of a frame.
     pub fn scan(&self, frame: usize) -> Option<&Arc<Scan>> {
         self.past.iter().find(|scan| scan.frame == frame)
     }
@@ -266,7 +266,7 @@ impl Cluster {
         all
     }
 
-    /// Whether it has nothing more to say: no tracks, and none in frames that are not decided.
+    /// Whether it is finished: it has no tracks, and none in undecided frames.
     pub fn is_over(&self) -> bool {
         let mut scans = self.hypotheses.iter().flat_map(|one| &one.past);
         self.tracks.is_empty() && scans.all(|scan| scan.tracks.is_empty())
@@ -290,7 +290,8 @@ mod tests {
     use crate::data::Detection;
     use crate::methods::multi_object::{dynamics::Dynamics, lifecycle::Rules};
 
-    /// A cluster of so many tracks in 3 scans, all of them in the one hypothesis but the last, which only a second one has.
+    /// A cluster of this many tracks in 3 scans: the first hypothesis has all but the last track, which only the second
+    /// one has.
     fn cluster(count: u32) -> Cluster {
         let found = Detection {
             bounds: Bounds::around([9.0; 2], [8.0; 2]),

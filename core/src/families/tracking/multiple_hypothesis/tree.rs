@@ -121,7 +121,7 @@ impl Tree {
         (0..self.leaves.len()).filter(shares).map(|other| self.leaves[other].probability).sum()
     }
 
-    /// What a hypothesis says of a frame.
+    /// A hypothesis's explanation of a frame.
     fn claims(&self, leaf: usize, frame: usize) -> &[Claim] {
         let scan = self.leaves[leaf].past.iter().find(|scan| scan.frame == frame);
         scan.map_or(&[], |scan| &scan.claims)
@@ -191,7 +191,8 @@ impl Drawing<'_> {
         }
     }
 
-    /// Draws a node, and beside a leaf its probability, what it says of the last frame, and why it is deleted.
+    /// Draws a node, and beside a leaf its probability, its claims about the last frame, and the reason for its
+    /// deletion.
     fn node(&mut self, (depth, height): (usize, f32), group: &[usize]) {
         let (role, is_faded) = self.look(group);
         let at = [column(depth), height];
@@ -206,7 +207,6 @@ impl Drawing<'_> {
     }
 }
 
-/// Claims in short: the detection and its track.
 fn short(claims: &[Claim]) -> String {
     let one = |claim: &Claim| {
         let detection = claim.detection + 1;

@@ -122,11 +122,11 @@ cases! { pub(super) over value;
 }
 
 impl TrajectoryAnalysis {
-    pub(super) fn explained_step(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explain_step(&self, seen: &Seen<Self>) -> Step {
         let (state, t, subject) = (seen.after.unwrap_or(seen.before), frame_of(seen.before), self.subject(seen));
         let at = |line| {
-            let step = self.counted(Step::at(line).fact(value::FRAME, t), seen);
-            subject.iter().fold(step, |step, of| self.followed(step, of))
+            let step = self.put_counts(Step::at(line).fact(value::FRAME, t), seen);
+            subject.iter().fold(step, |step, of| self.tell_following(step, of))
         };
         // The tentative frames of a track are added when it is confirmed.
         let track = |line, of: &Trajectory| {
@@ -139,7 +139,7 @@ impl TrajectoryAnalysis {
                 let confirmed = frame.objects.iter().filter(|object| object.status == TrackStatus::Confirmed).count();
                 at(line::TRACK).put(value::CONFIRMED, confirmed).say(case::TRACKED)
             }
-            Some(Event::Moved(of)) => self.moved(track(line::MEASURE_VELOCITY, of), of),
+            Some(Event::Moved(of)) => self.tell_motion(track(line::MEASURE_VELOCITY, of), of),
             Some(Event::Crossed(of, crossing)) => {
                 let step = put_line(track(line::COUNT_CROSSING, of).say(case::CROSSES), seen, crossing.line);
                 let step = step.put(value::CROSSING, crossing.at).say(self.line_case());
@@ -160,15 +160,14 @@ impl TrajectoryAnalysis {
             }
             Some(Event::Learned(directions)) => {
                 let step = at(line::LEARN_DIRECTIONS).put(value::CELLS, directions.all(self.min_others).len());
-                self.concluded(step.put(value::MIN_OTHERS, self.min_others).say(case::LEARNED), seen)
+                self.conclude(step.put(value::MIN_OTHERS, self.min_others).say(case::LEARNED), seen)
             }
         };
         let x_max = state.span.first + state.span.frames().unwrap_or(state.frames.len()).saturating_sub(1);
         step.show_all(subject.iter().flat_map(|of| series(of, x_max)).map(Readout::Series))
     }
 
-    /// Tells the counts of the run, at its end.
-    fn concluded(&self, step: Step, seen: &Seen<Self>) -> Step {
+    fn conclude(&self, step: Step, seen: &Seen<Self>) -> Step {
         let Some(state) = seen.after.filter(|after| after.span.frames() == Some(after.frames.len())) else {
             return step;
         };
@@ -183,7 +182,7 @@ impl TrajectoryAnalysis {
         step.say(case::RUN_END)
     }
 
-    fn moved(&self, step: Step, trajectory: &Trajectory) -> Step {
+    fn tell_motion(&self, step: Step, trajectory: &Trajectory) -> Step {
         let Some(last) = trajectory.sightings.last() else { return step };
         let Some([u, v]) = last.velocity else { return step.put(value::POSITION, last.at).say(case::STARTS) };
         let sightings = trajectory.sightings.iter().rev();
@@ -197,7 +196,7 @@ impl TrajectoryAnalysis {
     }
 
     /// Adds the counts of lines and zones.
-    fn counted(&self, step: Step, seen: &Seen<Self>) -> Step {
+    fn put_counts(&self, step: Step, seen: &Seen<Self>) -> Step {
         let (lines, zones) = (self.lines.all().len(), self.zones.all().len());
         let step = (0..lines).fold(step, |step, line| {
             let (step, [right, left]) = (put_line(step, seen, line), counts(seen, line));
@@ -211,7 +210,7 @@ impl TrajectoryAnalysis {
     }
 
     /// Adds the facts of a trajectory, and the formulas of velocity, speed and heading.
-    fn followed(&self, step: Step, trajectory: &Trajectory) -> Step {
+    fn tell_following(&self, step: Step, trajectory: &Trajectory) -> Step {
         let step = step.fact(value::TRACK, trajectory.id);
         let step = match trajectory.sightings.last() {
             Some(TrackPoint { velocity: Some([u, v]), step: Some(last), .. }) => {
@@ -284,7 +283,6 @@ pub(super) fn now(seen: &Seen<TrajectoryAnalysis>) -> Vec<Arc<Trajectory>> {
     all
 }
 
-/// The tracks of the frame that are in a zone.
 fn inside(seen: &Seen<TrajectoryAnalysis>, zone: usize) -> usize {
     let frame = frame_at(seen);
     let is_here = |of: &Trajectory| frame.is_some_and(|frame| frame.object(of.id).is_some());
@@ -323,7 +321,7 @@ fn series(trajectory: &Trajectory, x_max: usize) -> Vec<Series> {
         known.collect()
     };
     let speed = |v: [f64; 2]| v[0].hypot(v[1]);
-    let series = |title, y_label, lines| Series { title, x_label: "frame", y_label, x_max, lines, ..Series::default() };
+    let series = |title, y_label, lines| Series::new(title, ["frame", y_label], x_max, lines);
     let speeds = vec![
         ("since last position", Role::Measured, line(&|seen| seen.step.map(speed))),
         ("least squares", Role::Result, line(&|seen| seen.velocity.map(speed))),

@@ -12,7 +12,7 @@ use crate::scene::{Arrow, Picture, Role, Scene, Shape};
 const TRAIL_FRAMES: usize = 40;
 
 impl TrajectoryAnalysis {
-    pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(super) fn draw_marks(&self, seen: &Seen<Self>, scene: &mut Scene) {
         scene.is_overview = seen.after.is_some() && seen.point().is_none();
         let all = now(seen);
         if let Some(Event::Learned(directions)) = seen.events.last() {
@@ -24,7 +24,7 @@ impl TrajectoryAnalysis {
             let is_recent = trajectory.sightings.last().is_some_and(|last| last.frame + TRAIL_FRAMES >= t);
             let points: Vec<[f32; 2]> = trajectory.sightings.iter().map(|seen| point(seen.at)).collect();
             if is_recent && points.len() > 1 {
-                let path = Shape::Path { points, closed: false };
+                let path = Shape::line(points);
                 scene.mark_of(trajectory.id, Picture::CURRENT, Role::Estimate, path);
             }
         }
@@ -35,15 +35,17 @@ impl TrajectoryAnalysis {
         }
         let crossings: Vec<[f32; 2]> = all.iter().flat_map(|of| of.crossings.iter().map(|c| point(c.at))).collect();
         if !crossings.is_empty() {
-            scene.mark(Picture::CURRENT, Role::Best, Shape::Points(crossings));
-            scene.legend(Role::Best, "crossing");
+            scene.draw(Picture::CURRENT, (Role::Best, "crossing"), Shape::Points(crossings));
         }
         scene.legend(Role::Estimate, "trajectory of a track");
         if let Some(Event::Unusual(of, anomaly)) = seen.events.last()
             && let Some(last) = of.sightings.last()
         {
-            scene.mark(Picture::CURRENT, Role::Rejected, chevron(last.at, anomaly.mean, self.cell_size as f64));
-            scene.legend(Role::Rejected, "mean direction of tracks");
+            scene.draw(
+                Picture::CURRENT,
+                (Role::Rejected, "mean direction of tracks"),
+                chevron(last.at, anomaly.mean, self.cell_size as f64),
+            );
         }
     }
 
@@ -51,8 +53,7 @@ impl TrajectoryAnalysis {
     fn draw_places(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let zones = self.zones.all();
         for (i, Bounds { min, max }) in zones.iter().enumerate() {
-            scene.mark(Picture::CURRENT, Role::Reference, Shape::Rect { min: *min, max: *max });
-            scene.legend(Role::Reference, "zone");
+            scene.draw(Picture::CURRENT, (Role::Reference, "zone"), Shape::Rect { min: *min, max: *max });
             if zones.len() > 1 {
                 let text = Shape::Text { at: [min[0], max[1]], text: format!("zone {}", i + 1) };
                 scene.mark(Picture::CURRENT, Role::Reference, text);
@@ -64,7 +65,7 @@ impl TrajectoryAnalysis {
     fn draw_line(&self, seen: &Seen<Self>, scene: &mut Scene, index: usize) {
         let lines = self.lines.all();
         let line = lines[index];
-        let path = Shape::Path { points: vec![line.from, line.to], closed: false };
+        let path = Shape::line(vec![line.from, line.to]);
         scene.mark(Picture::CURRENT, Role::Window, path);
         let [u, v] = [0, 1].map(|i| line.to[i] - line.from[i]);
         let length = u.hypot(v);
@@ -88,8 +89,7 @@ impl TrajectoryAnalysis {
     fn draw_directions(&self, directions: &Directions, scene: &mut Scene) {
         for (at, mean) in directions.all(self.min_others) {
             let shape = chevron(at.map(f64::from), mean.direction, directions.side_px as f64 * mean.agreement);
-            scene.mark(Picture::CURRENT, Role::Rejected, shape);
-            scene.legend(Role::Rejected, "mean direction of tracks");
+            scene.draw(Picture::CURRENT, (Role::Rejected, "mean direction of tracks"), shape);
         }
     }
 }
@@ -104,7 +104,7 @@ fn chevron(at: [f64; 2], [u, v]: [f64; 2], size_px: f64) -> Shape {
         point([at[0] + size_px * (along * u - across * v), at[1] + size_px * (along * v + across * u)])
     };
     let tip = place(0.3, 0.0);
-    Shape::Path { points: vec![place(-0.3, 0.0), tip, place(0.18, 0.1), tip, place(0.18, -0.1)], closed: false }
+    Shape::line(vec![place(-0.3, 0.0), tip, place(0.18, 0.1), tip, place(0.18, -0.1)])
 }
 
 /// Draws a track's box, number and velocity.
@@ -122,7 +122,6 @@ fn draw_object(scene: &mut Scene, object: &Object, last: Option<&TrackPoint>) {
     scene.legend(role, meaning);
     if let Some(TrackPoint { at, velocity: Some(velocity), .. }) = last {
         let (from, to) = (point(*at), point([0, 1].map(|i| at[i] + velocity[i])));
-        scene.mark(Picture::CURRENT, Role::Result, Shape::Arrows(vec![Arrow { from, to }]));
-        scene.legend(Role::Result, "velocity in px/frame");
+        scene.draw(Picture::CURRENT, (Role::Result, "velocity in px/frame"), Shape::Arrows(vec![Arrow { from, to }]));
     }
 }

@@ -1,5 +1,5 @@
-//! The segment test for processors with AVX2, 32 pixels in a register. The compiler keeps what the plain loops work on in memory, and
-//! they take five times as long.
+//! The segment test for processors with AVX2, 32 pixels in a register. The compiled plain loops keep their data in
+//! memory and take five times as long.
 
 use std::arch::x86_64::*;
 
@@ -56,7 +56,7 @@ fn at(around: &[&[u8; SPAN]; 2 * RADIUS + 1], [i, j]: [isize; 2]) -> __m256i {
     load(around[(j + RADIUS as isize) as usize], (i + RADIUS as isize) as usize)
 }
 
-/// A bit for each pixel at which so many adjacent ones of four values are not 0.
+/// A bit for each pixel at which this many adjacent ones of the four values are not 0.
 #[inline]
 #[target_feature(enable = "avx2")]
 fn is_run<const COMPASS_POINTS: usize>([a, b, c, d]: [__m256i; 4]) -> u32 {

@@ -1,12 +1,12 @@
-//! How windows fit, for processors with AVX2: a strip in a register. What the compiler makes of the plain loops has the same
-//! bits and takes three times as long.
+//! The mismatch of windows for processors with AVX2: a strip in a register. The compiled plain loops give the same bits
+//! and take three times as long.
 
 use std::arch::x86_64::*;
 
 use super::{Differences, LANES, Lanes, Level, Mismatch, Row, Strip, Sums, Template};
 use crate::geometry::Gray;
 
-/// How a window fits to a place in `next`, which lies in that picture; `None` without AVX2.
+/// The mismatch of a window at a place inside `next`; `None` without AVX2.
 pub fn mismatch(template: &Template, next: &Level, at: [f32; 2]) -> Option<Mismatch> {
     if !is_x86_feature_detected!("avx2") {
         return None;
@@ -17,17 +17,17 @@ pub fn mismatch(template: &Template, next: &Level, at: [f32; 2]) -> Option<Misma
     let mut is_in = Row::default();
     is_in.as_flattened_mut()[columns].fill(1.0);
     let ([x, y], fraction) = next.corner(at, *reach);
-    let place = ([x, y + rows.start], fraction);
+    let place = [x, y + rows.start];
     let strips = &strips[rows.start * strips_in_row..rows.end * strips_in_row];
     let is_in = (!is_whole).then_some(&is_in);
     // The compiler knows how many strips there are in a row, and keeps it in registers.
     // SAFETY: the processor has AVX2.
     let (differences, sums) = unsafe {
         match strips_in_row {
-            1 => lay::<1>(strips, &next.pixels, place, is_in),
-            2 => lay::<2>(strips, &next.pixels, place, is_in),
-            3 => lay::<3>(strips, &next.pixels, place, is_in),
-            _ => lay::<4>(strips, &next.pixels, place, is_in),
+            1 => lay::<1>(strips, &next.pixels, place, fraction, is_in),
+            2 => lay::<2>(strips, &next.pixels, place, fraction, is_in),
+            3 => lay::<3>(strips, &next.pixels, place, fraction, is_in),
+            _ => lay::<4>(strips, &next.pixels, place, fraction, is_in),
         }
     };
     let tensor = if is_whole { *tensor } else { Sums(sums).tensor() };
@@ -40,7 +40,8 @@ pub fn mismatch(template: &Template, next: &Level, at: [f32; 2]) -> Option<Misma
 fn lay<const STRIPS: usize>(
     strips: &[Strip],
     pixels: &Gray,
-    ([x, y], fraction): ([usize; 2], [f32; 2]),
+    [x, y]: [usize; 2],
+    fraction: [f32; 2],
     is_in: Option<&Row>,
 ) -> ([Lanes; 3], [Lanes; 4]) {
     let [fx, fy] = fraction.map(|f| _mm256_set1_ps(f));
@@ -66,7 +67,7 @@ fn lay<const STRIPS: usize>(
     ([across, down, size].map(|sum| store(sum)), sums.map(|sum| store(sum)))
 }
 
-/// The sums of products with a strip's gradients more, as far as its pixels count.
+/// The sums with a strip's products of gradients added, for the pixels that count.
 #[target_feature(enable = "avx2")]
 fn added([xx, xy, yy, pixels]: [__m256; 4], [across, down]: [__m256; 2], counts: __m256) -> [__m256; 4] {
     let (gx, gy) = (_mm256_mul_ps(across, counts), _mm256_mul_ps(down, counts));
@@ -95,7 +96,7 @@ fn grays(pixels: [u8; LANES]) -> __m256 {
     _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_cvtsi64_si128(i64::from_le_bytes(pixels))))
 }
 
-/// What lies a share of the way from `a` to `b`.
+/// Interpolates linearly between `a` and `b`.
 #[target_feature(enable = "avx2")]
 fn mix(a: __m256, b: __m256, share: __m256) -> __m256 {
     _mm256_add_ps(a, _mm256_mul_ps(_mm256_sub_ps(b, a), share))

@@ -3,7 +3,6 @@
 use super::explain::{ended, is_last};
 use super::vocabulary::{case, value};
 use super::{Consensus, Event, Fixed, InlierCounts, Robust, RobustModel, State};
-use crate::geometry::Grid;
 use crate::methods::geometric::Correspondence;
 use crate::methods::geometric::ransac::chosen;
 use crate::methods::geometric::system::System;
@@ -48,24 +47,13 @@ impl<M: RobustModel> Robust<M> {
         if matches!(event, Event::Hypothesis(_)) { system } else { system.before_refinement() }
     }
 
-    /// The hypothesis and the best model.
     fn matrices(&self, seen: &Seen<Self>, best: Option<Matrix3>) -> Vec<Matrix> {
+        let matrix = |name, role, entries: &Matrix3| Matrix::of_rows(M::SYMBOL, name, entries).with_role(role);
         let hypothesis = seen.events.iter().rev().find_map(|event| match event {
-            Event::Hypothesis(found) => Some(("hypothesis", Role::Candidate, *found)),
+            Event::Hypothesis(found) => Some(matrix("hypothesis", Role::Candidate, found)),
             _ => None,
         });
-        let all = hypothesis.into_iter().chain(best.map(|found| ("best so far", Role::Best, found)));
-        let matrix = |(name, role, entries): (_, _, Matrix3)| Matrix {
-            symbol: M::SYMBOL,
-            name,
-            role: Some(role),
-            entries: Grid::from_fn(3, 3, |x, y| entries[y][x]),
-            rows: Vec::new(),
-            columns: Vec::new(),
-            changed: None,
-            decimals: None,
-        };
-        all.map(matrix).collect()
+        hypothesis.into_iter().chain(best.map(|found| matrix("best so far", Role::Best, &found))).collect()
     }
 
     /// Inliers of each iteration's hypothesis, and of the best so far. There are none before the first are counted.
@@ -82,16 +70,16 @@ impl<M: RobustModel> Robust<M> {
             counts.iter().enumerate().map(value).collect()
         };
         let is_counted = !history.is_empty() || counts.iter().any(|counts| counts.own.is_some());
-        is_counted.then(|| Series {
-            title: "Inliers of the hypotheses",
-            x_label: "iteration",
-            y_label: "inliers",
-            x_max: counts.len().max((*needed).min(4 * counts.len())),
-            lines: vec![
-                ("of this hypothesis", Role::Candidate, line(|counts| counts.own)),
-                ("of the best so far", Role::Best, line(|counts| counts.best)),
-            ],
-            ..Series::default()
+        is_counted.then(|| {
+            Series::new(
+                "Inliers of the hypotheses",
+                ["iteration", "inliers"],
+                counts.len().max((*needed).min(4 * counts.len())),
+                vec![
+                    ("of this hypothesis", Role::Candidate, line(|counts| counts.own)),
+                    ("of the best so far", Role::Best, line(|counts| counts.best)),
+                ],
+            )
         })
     }
 
@@ -122,7 +110,7 @@ impl<M: RobustModel> Robust<M> {
             };
             for (on, at) in [(Picture::CURRENT, points(|m| m.from)), (Picture::NEXT, points(|m| m.to))] {
                 at.into_iter().for_each(|center| {
-                    scene.mark(on, Role::Candidate, Shape::Ellipse { center, radii: [4.0; 2], angle_rad: 0.0 });
+                    scene.mark(on, Role::Candidate, Shape::circle(center, 4.0));
                 });
             }
             scene.legend(Role::Candidate, "sample");

@@ -17,7 +17,7 @@ pub enum Doubt {
         /// Their rms distance from the line in px.
         spread_px: f64,
     },
-    /// As many random matches agree with one of the possible models.
+    /// This many random matches also agree with one of the possible models.
     ByChance {
         /// Number of inliers at distinct positions: several of one point are no further evidence.
         inliers: usize,
@@ -34,8 +34,9 @@ impl Doubt {
         (spread_px < LEAST_SPREAD_PX).then_some(Self::OnLine { inliers: inliers.len(), spread_px })
     }
 
-    /// Whether so many of all matches agree by chance: the expected number of models through `size` random matches with as many inliers,
-    /// the number of false alarms (Moisan and Stival 2004), is 1 or more. A random match is an inlier with the probability `share`.
+    /// Whether this many of all matches agree by chance: the expected number of models through `size` random matches
+    /// with as many inliers, the number of false alarms (Moisan and Stival 2004), is 1 or more. A random match is an
+    /// inlier with the probability `share`.
     pub fn by_chance(size: usize, [inliers, all]: [usize; 2], share: f64) -> Option<Self> {
         if false_alarms_log(size, [inliers, all], share) < 0.0 {
             return None;

@@ -61,13 +61,13 @@ pub trait RobustModel: Params + Default + Clone + Send + Sync + 'static {
     /// Number of matches of a sample.
     fn sample_size(&self) -> usize;
 
-    /// Tells why a sample has so many matches.
+    /// Tells the reason for the size of a sample.
     fn counting(&self, step: Step) -> Step;
 
     /// The models through a sample; none if it determines none.
     fn hypotheses(&self, sample: &[Correspondence]) -> Vec<Matrix3>;
 
-    /// Tells why a sample determines no model.
+    /// Tells the reason why a sample determines no model.
     fn no_model(&self, step: Step, _sample: &[Correspondence]) -> Step {
         step.say(case::COLLINEAR)
     }
@@ -227,9 +227,10 @@ pub enum Event {
     Scored(Score, bool),
     /// The new best hypothesis was fitted to its inliers.
     Local(Matrix3, Score),
-    /// The hypothesis is the best so far; so many iterations are needed with it.
+    /// The hypothesis is the best so far; the number of iterations needed with it.
     Best(Samples),
-    /// The best hypothesis was compared with so many models through samples of its inliers; the best of all, and its score.
+    /// The best hypothesis was compared with this many models through samples of its inliers; the best of all, and its
+    /// score.
     Resampled(usize, Matrix3, Score),
     /// The model was fitted to all inliers, which lowers its cost.
     Refit(Matrix3, Score),
@@ -430,7 +431,7 @@ impl<M: RobustModel> Robust<M> {
         for round in 0..FINAL_ROUNDS {
             let refined = self.0.last(&self.inliers(points, &best.matrix));
             let next = refined.map(|matrix| Best { matrix, score: self.score(points, &matrix) });
-            // What changes less is rounding.
+            // Smaller changes are rounding.
             let Some(next) = next.filter(|next| limited(&next.score) < limited(&best.score) - 1e-9) else {
                 if round == 0 {
                     observer.see(|| Event::Kept(best.matrix, best.score));

@@ -1,9 +1,9 @@
-//! Where the inliers of a model lie: on which part of the picture, and whether on the foreground.
+//! The place of the inliers of a model: the part of the picture, and whether it is foreground.
 
 use crate::data::{PixelClass, TrueMask};
 use crate::methods::geometric::Correspondence;
 
-/// Where the inliers of a model lie in frame t.
+/// The place of the inliers of a model in frame t.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
     /// Share of them on the true foreground, where it is known.

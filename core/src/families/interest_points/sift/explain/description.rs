@@ -12,7 +12,7 @@ const UNIT_LENGTH: &str = "entry of length 1";
 
 impl Sift {
     /// Explains a cell, the normalisation or the limit of a descriptor.
-    pub(super) fn described(&self, seen: &Seen<Self>, event: Event) -> Step {
+    pub(super) fn tell_description(&self, seen: &Seen<Self>, event: Event) -> Step {
         let state = seen.before;
         let line = match event {
             Event::Cell(_) => line::FILL_CELL,
@@ -65,8 +65,7 @@ impl Sift {
                 // Circles and radii of all would hide the cells.
                 let others = shown.oriented.iter().filter(|other| *other != oriented);
                 let points = others.map(|other| self.in_frame(&other.refined).0).collect();
-                scene.mark(Picture::CURRENT, Role::Candidate, Shape::Points(points));
-                scene.legend(Role::Candidate, "other keypoint");
+                scene.draw(Picture::CURRENT, (Role::Candidate, "other keypoint"), Shape::Points(points));
                 self.draw_keypoints(std::slice::from_ref(oriented), scene);
                 self.draw_window(seen, oriented, scene);
             }
@@ -80,7 +79,7 @@ impl Sift {
         for oriented in all {
             let (center, sigma_px) = self.in_frame(&oriented.refined);
             let Arrow { from, to } = arrow(center, oriented.angle_rad, BLOB_RADIUS * sigma_px);
-            scene.mark(Picture::CURRENT, Role::Result, Shape::Path { points: vec![from, to], closed: false });
+            scene.mark(Picture::CURRENT, Role::Result, Shape::line(vec![from, to]));
         }
     }
 
@@ -93,7 +92,7 @@ impl Sift {
             let k = i as f32 - half;
             for ends in [[[-half, k], [half, k]], [[k, -half], [k, half]]] {
                 let points = ends.map(at).to_vec();
-                scene.mark(Picture::CURRENT, Role::Window, Shape::Path { points, closed: false });
+                scene.mark(Picture::CURRENT, Role::Window, Shape::line(points));
             }
         }
         scene.legend(Role::Window, "cells of the descriptor");
@@ -111,8 +110,7 @@ impl Sift {
             }
         }
         if !arrows.is_empty() {
-            let rays =
-                arrows.into_iter().map(|Arrow { from, to }| Shape::Path { points: vec![from, to], closed: false });
+            let rays = arrows.into_iter().map(|Arrow { from, to }| Shape::line(vec![from, to]));
             rays.for_each(|ray| scene.mark(Picture::CURRENT, Role::Best, ray));
             scene.legend(Role::Best, "weights of the 8 directions of a cell");
         }
@@ -123,16 +121,16 @@ impl Sift {
 fn descriptor_series(descriptor: &Descriptor, y_label: &'static str, filled: usize) -> Series {
     let points = Series::bars(descriptor.0.iter().take(filled * BINS).copied());
     Series {
-        title: "Descriptor",
-        x_label: "entry: 8 directions of each of 16 cells",
-        y_label,
-        x_max: CELLS * BINS,
         x_ticks: (0..=SIDE).map(|row| (row * SIDE * BINS).max(1) as f32).collect(),
         sections: Series::cells(SIDE, BINS),
         columns: Some(SIDE),
-        lines: vec![("entries", Role::Result, points)],
         is_sweep: true,
-        ..Series::default()
+        ..Series::new(
+            "Descriptor",
+            ["entry: 8 directions of each of 16 cells", y_label],
+            CELLS * BINS,
+            vec![("entries", Role::Result, points)],
+        )
     }
 }
 

@@ -15,7 +15,7 @@ pub(super) struct Around<'a> {
 
 impl Around<'_> {
     /// Explains the comparison of the pixel with its 26 neighbours.
-    pub(super) fn compared(&self, step: Step) -> Step {
+    pub(super) fn tell_comparison(&self, step: Step) -> Step {
         let place = (self.at.x, self.at.y);
         let value = self.differences[1][place];
         let step = step.put_value(features::PIXEL.is(place).inked(Role::Candidate)).put(value::D, value);
@@ -34,7 +34,7 @@ impl Around<'_> {
         let labels = ["D, smaller scale", "D, this scale", "D, larger scale"];
         let values = self.differences.map(|difference| explain::around(difference, (self.at.x, self.at.y), 1));
         let most = values.iter().flat_map(|grid| grid.cells()).fold(0.0f32, |most, v| most.max(v.abs())).max(1.0);
-        let tile = |(label, values)| Tile { label, role: None, values, range: [-most, most], framed: Vec::new() };
+        let tile = |(label, values)| Tile::new(label, values, [-most, most]);
         Readout::Tiles(labels.into_iter().zip(values).map(tile).collect())
     }
 }
@@ -61,8 +61,8 @@ impl Sift {
         self.around(state, Extremum { octave, level, x, y })
     }
 
-    /// The row that is searched.
-    pub(super) fn searched(&self, seen: &Seen<Self>, line: Name) -> Step {
+    /// A step about the row being searched.
+    pub(super) fn tell_search(&self, seen: &Seen<Self>, line: Name) -> Step {
         let Some(Row { octave, level, y }) = self.current_row(seen.before) else { return Step::at(line) };
         let sigma = self.shape().sigma_of(level as f32) * self.shape().pixel_px(octave);
         let found = seen.events.iter().filter(|event| matches!(event, Event::Extremum(_))).count();
@@ -88,17 +88,14 @@ impl Sift {
         let size = self.shape().pixel_px(octave);
         let row = (y as f32 * size, state.picture.size().0 as f32);
         let ends = vec![[-0.5, row.0], [row.1 - 0.5, row.0]];
-        scene.mark(Picture::RESPONSE, Role::Window, Shape::Path { points: ends, closed: false });
-        scene.legend(Role::Window, "row searched");
+        scene.draw(Picture::RESPONSE, (Role::Window, "row searched"), Shape::line(ends));
         if !points.is_empty() {
-            scene.mark(Picture::RESPONSE, Role::Candidate, Shape::Points(points));
-            scene.legend(Role::Candidate, "extremum in position and scale");
+            scene.draw(Picture::RESPONSE, (Role::Candidate, "extremum in position and scale"), Shape::Points(points));
         }
         if let Some(Event::Extremum(x)) = seen.events.last() {
             let at = Extremum { octave, level, x: *x, y };
             let found = Refined { at, offset: [0.0; 3], response: 0.0 };
-            scene.mark(Picture::RESPONSE, Role::Best, self.circle(&found));
-            scene.legend(Role::Best, "extremum of this step, radius √2 σ");
+            scene.draw(Picture::RESPONSE, (Role::Best, "extremum of this step, radius √2 σ"), self.circle(&found));
         }
         if let Some(around) = seen.point().and_then(|point| self.pointed_at(state, point)) {
             let [x, y] = self.point_of(&around.at);

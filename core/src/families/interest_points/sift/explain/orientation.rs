@@ -8,7 +8,7 @@ use crate::scene::{Arrow, Canvas, Picture, Readout, Role, Scene, Series, Shape, 
 
 impl Sift {
     /// Explains the orientation histogram of a keypoint or one of its peaks.
-    pub(super) fn oriented(&self, seen: &Seen<Self>, event: Event) -> Step {
+    pub(super) fn tell_orientation(&self, seen: &Seen<Self>, event: Event) -> Step {
         let line = if let Event::Peak(_) = event { line::ORIENT } else { line::EACH_KEYPOINT };
         let (step, state) = (Step::at(line), seen.before);
         let Some(refined) = state.refined.get(state.next) else { return step };
@@ -28,17 +28,17 @@ impl Sift {
             bins.iter().enumerate().map(|(bin, weight)| [10.0 * bin as f32, *weight]).collect::<Vec<_>>()
         };
         let series = Series {
-            title: "Orientation histogram",
-            x_label: "gradient direction, degrees",
-            y_label: "weight",
-            x_max: 350,
-            lines: vec![
-                ("before smoothing", Role::Rejected, points(&histogram.raw)),
-                ("smoothed", Role::Result, points(&histogram.bins)),
-            ],
             thresholds: vec![("80 % of the highest".to_owned(), PEAK_RATIO * histogram.highest())],
             is_sweep: true,
-            ..Series::default()
+            ..Series::new(
+                "Orientation histogram",
+                ["gradient direction, degrees", "weight"],
+                350,
+                vec![
+                    ("before smoothing", Role::Rejected, points(&histogram.raw)),
+                    ("smoothed", Role::Result, points(&histogram.bins)),
+                ],
+            )
         };
         step.show(Readout::Series(series)).show(Readout::Tiles(vec![self.patch(state, refined)]))
     }
@@ -48,7 +48,7 @@ impl Sift {
         let Extremum { octave, level, x, y } = refined.at;
         let image = &state.space.octaves[octave].gaussians[level];
         let values = explain::around(image, (x, y), 8);
-        Tile { label: "Gaussian image", role: None, values, range: [0.0, 255.0], framed: Vec::new() }
+        Tile::gray("Gaussian image", values)
     }
 
     pub(super) fn draw_orientation(&self, seen: &Seen<Self>, scene: &mut Scene) {
@@ -59,22 +59,19 @@ impl Sift {
         let (center, _) = self.in_frame(refined);
         let pixel_px = self.shape().pixel_px(refined.at.octave);
         let radius = Histogram::radius_px(self.sigma_in_octave(refined)) as f32 * pixel_px;
-        let window = Shape::Ellipse { center, radii: [radius; 2], angle_rad: 0.0 };
-        scene.mark(Picture::CURRENT, Role::Window, window);
-        scene.legend(Role::Window, "window of the histogram");
+        let window = Shape::circle(center, radius);
+        scene.draw(Picture::CURRENT, (Role::Window, "window of the histogram"), window);
         let peaks = seen.events.iter().filter_map(|event| match event {
             Event::Peak(peak) => Some(peak.angle_rad),
             _ => None,
         });
         let arrows: Vec<Arrow> = peaks.map(|angle| arrow(center, angle, radius)).collect();
         if !arrows.is_empty() {
-            scene.mark(Picture::CURRENT, Role::Best, Shape::Arrows(arrows));
-            scene.legend(Role::Best, "orientation");
+            scene.draw(Picture::CURRENT, (Role::Best, "orientation"), Shape::Arrows(arrows));
         }
     }
 }
 
-/// An arrow from a point in a direction.
 pub(super) fn arrow(from: [f32; 2], angle_rad: f32, length: f32) -> Arrow {
     let (sin, cos) = angle_rad.sin_cos();
     Arrow { from, to: [from[0] + length * cos, from[1] + length * sin] }

@@ -7,8 +7,7 @@ use crate::run::Seen;
 use crate::scene::{Picture, Role, Scene, Shape, Step};
 
 impl Sift {
-    /// Explains an iteration of the refinement.
-    pub(super) fn fitted(&self, state: &State, iteration: &Iteration) -> Step {
+    pub(super) fn tell_fit(&self, state: &State, iteration: &Iteration) -> Step {
         let Iteration { at, gradient, hessian: [xx, yy, ss, xy, xs, ys], offset, .. } = *iteration;
         let hessian = [[xx, xy, xs], [xy, yy, ys], [xs, ys, ss]];
         let column = |of: [f32; 3]| Grid::from_fn(1, 3, |_, i| f64::from(of[i]));
@@ -26,8 +25,7 @@ impl Sift {
         step.show_all(self.around(state, at).map(|around| around.tiles()))
     }
 
-    /// Explains the outcome of the refinement.
-    pub(super) fn judged(&self, seen: &Seen<Self>, verdict: Result<Refined, Rejection>) -> Step {
+    pub(super) fn tell_verdict(&self, seen: &Seen<Self>, verdict: Result<Refined, Rejection>) -> Step {
         let Some(last) = last_iteration(seen) else { return Step::at(line::UNSTABLE) };
         let (thresholds, [trace, determinant]) = (self.thresholds(), last.curvature());
         let (line, case) = match verdict {
@@ -59,8 +57,7 @@ impl Sift {
         }
         let waiting: Vec<_> = state.extrema[state.next..].iter().map(|at| self.point_of(at)).collect();
         if !waiting.is_empty() {
-            scene.mark(Picture::RESPONSE, Role::Candidate, Shape::Points(waiting));
-            scene.legend(Role::Candidate, "extremum in position and scale");
+            scene.draw(Picture::RESPONSE, (Role::Candidate, "extremum in position and scale"), Shape::Points(waiting));
         }
         self.draw_circles(Picture::RESPONSE, state.refined.iter(), scene);
         if let Some(last) = last_iteration(seen) {
@@ -74,14 +71,17 @@ impl Sift {
                 Some(Ok(_)) => Role::Best,
                 Some(Err(_)) => Role::Rejected,
             };
-            scene.mark(Picture::RESPONSE, role, self.circle(&shown));
-            scene.legend(
-                role,
-                match verdict {
-                    None => "candidate being refined",
-                    Some(Ok(_)) => "kept",
-                    Some(Err(_)) => "rejected",
-                },
+            scene.draw(
+                Picture::RESPONSE,
+                (
+                    role,
+                    match verdict {
+                        None => "candidate being refined",
+                        Some(Ok(_)) => "kept",
+                        Some(Err(_)) => "rejected",
+                    },
+                ),
+                self.circle(&shown),
             );
         }
     }

@@ -1,4 +1,4 @@
-//! What scene flow draws: maps on the pictures, a pixel in all four of them, the inliers of a sample.
+//! The drawing of scene flow: maps on the pictures, a pixel in all four of them, the inliers of a sample.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::scene::{Arrow, Canvas, Link, Picture, Role, Scene, Shape, Viewpoint};
 const RIGHT_NEXT: Picture = Picture { viewpoint: Viewpoint::Right, ..Picture::NEXT };
 
 impl SceneFlow {
-    pub(in super::super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(in super::super) fn draw_marks(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let state = seen.after.unwrap_or(seen.before);
         let is_stereo = seen.before.fixed.depths == Depths::Stereo;
         let Some(event) = seen.events.last() else {
@@ -23,8 +23,7 @@ impl SceneFlow {
         };
         let shown = self.shown(seen);
         let map = |scene: &mut Scene, values: Grid<f32>, on: Picture, meaning: &'static str, unit: &'static str| {
-            scene.mark(on, Role::Result, Shape::Heat { origin: [0.0; 2], values });
-            scene.legend(Role::Result, meaning);
+            scene.draw(on, (Role::Result, meaning), Shape::heat(values));
             scene.heat = Some(unit);
         };
         match event {
@@ -43,12 +42,11 @@ impl SceneFlow {
             }
             Event::Whole(_) => {
                 scene.pictures = vec![Canvas::of_clip(Picture::CURRENT), Canvas::of_clip(Picture::NEXT)];
-                scene.mark(
+                scene.draw(
                     Picture::CURRENT,
-                    Role::Result,
+                    (Role::Result, "flow to frame t+1"),
                     Shape::Flow { origin: [0.0; 2], values: shown.field.flow.0.clone() },
                 );
-                scene.legend(Role::Result, "flow to frame t+1");
             }
             Event::Row(Part::Positions, y) => {
                 // A pixel pointed at is shown in all four pictures.
@@ -96,14 +94,12 @@ impl SceneFlow {
             let part = if inliers.binary_search(&index).is_ok() { &mut agreeing } else { &mut others };
             part.push(Arrow { from, to });
         }
-        scene.mark(Picture::CURRENT, Role::Rejected, Shape::Arrows(others));
-        scene.legend(Role::Rejected, "outlier");
-        scene.mark(Picture::CURRENT, Role::Best, Shape::Arrows(agreeing));
-        scene.legend(Role::Best, "inlier, with its flow");
+        scene.draw(Picture::CURRENT, (Role::Rejected, "outlier"), Shape::Arrows(others));
+        scene.draw(Picture::CURRENT, (Role::Best, "inlier, with its flow"), Shape::Arrows(agreeing));
         let sample: Vec<_> = draw.sample.into_iter().flatten().filter_map(|index| points.get(index as usize)).collect();
         for point in sample {
             let [from, to] = [point.pixel, point.next_pixel()].map(|at| at.map(|c| c as f32));
-            let ring = |center| Shape::Ellipse { center, radii: [5.0; 2], angle_rad: 0.0 };
+            let ring = |center| Shape::circle(center, 5.0);
             scene.mark(Picture::CURRENT, Role::Reference, ring(from));
             scene.mark(Picture::NEXT, Role::Reference, ring(to));
             scene.links.push(Link { role: Role::Reference, ends: [(Picture::CURRENT, from), (Picture::NEXT, to)] });
@@ -126,10 +122,10 @@ fn views(is_stereo: bool, left: Picture, right: Picture) -> Vec<Canvas> {
     [left].into_iter().chain(is_stereo.then_some(right)).map(Canvas::of_clip).collect()
 }
 
-/// Where the pixel is in each of the pictures that are shown.
+/// Marks the pixel in each of the pictures that are shown.
 fn draw_pixel(scene: &mut Scene, shown: &Shown) {
     let (x, y) = (shown.pixel.0 as f32, shown.pixel.1 as f32);
-    let ring = |center| Shape::Ellipse { center, radii: [4.0; 2], angle_rad: 0.0 };
+    let ring = |center| Shape::circle(center, 4.0);
     let mut places = vec![(Picture::CURRENT, Role::Reference, [x, y])];
     let disparity = shown.field.disparity.at(shown.pixel.0, shown.pixel.1);
     places.extend(disparity.map(|d| (Picture::RIGHT, Role::Best, [x - d, y])));
@@ -157,8 +153,7 @@ fn draw_pixel(scene: &mut Scene, shown: &Shown) {
 fn draw_own(scene: &mut Scene, field: &SceneFlowField, last_row: usize) {
     let Some(ego) = field.ego else { return };
     if let Some(moving) = &field.moving {
-        scene.mark(Picture::CURRENT, Role::Result, Shape::Mask(Arc::clone(moving)));
-        scene.legend(Role::Result, "motion of its own");
+        scene.draw(Picture::CURRENT, (Role::Result, "motion of its own"), Shape::Mask(Arc::clone(moving)));
         return;
     }
     let is_done = |pixel: &(usize, usize)| pixel.1 <= last_row;
@@ -166,8 +161,11 @@ fn draw_own(scene: &mut Scene, field: &SceneFlowField, last_row: usize) {
         let motion = Some(pixel).filter(is_done).and_then(|pixel| field.motion(pixel))?;
         Some(length(motion.own(&ego.pose)))
     };
-    scene.mark(Picture::CURRENT, Role::Error, Shape::Heat { origin: [0.0; 2], values: field.grid(remaining) });
-    scene.legend(Role::Error, "length of the remaining motion in m");
+    scene.draw(
+        Picture::CURRENT,
+        (Role::Error, "length of the remaining motion in m"),
+        Shape::heat(field.grid(remaining)),
+    );
     scene.heat = Some("remaining motion (m)");
     scene.heat_scale = Some([0.0, 0.5]);
 }

@@ -1,6 +1,6 @@
 //! The end of a run: its errors, rejections, bias and consistency, and the remedy.
 
-use super::{case, distance, of_another, put_restart, shared, trials, tried, value};
+use super::{case, distance, of_another, put_restart, shared, tell_trial, trials, value};
 use crate::families::tracking::kalman_filter::{Event, FrameRecord, Gated, KalmanFilter, State, modes, restart::Retry};
 use crate::methods::kalman::{ConsistencyTest, MotionModel};
 use crate::run::Seen;
@@ -11,7 +11,7 @@ const BIAS_SIGMAS: f64 = 2.5;
 const LEAST_INNOVATIONS: usize = 6;
 /// The share of rejected measurements above which the others are no fair sample of the innovations.
 const MOST_REJECTED: f64 = 0.25;
-/// How many times as long one component of the innovations is than the other where it tells the direction.
+/// Factor by which one component of the innovations must exceed the other to tell the direction.
 const CLEARLY: f64 = 1.5;
 
 impl KalmanFilter {
@@ -42,7 +42,6 @@ impl KalmanFilter {
         of_step.or(seen.before.retry.as_deref()).filter(|retry| retry.first == start && retry.restart.is_none())
     }
 
-    /// The state at the end of a run.
     pub(super) fn ended<'a>(&self, seen: &Seen<'a, Self>) -> Option<&'a State> {
         let state = seen.after?;
         let frames = state.records.len();
@@ -74,11 +73,11 @@ impl KalmanFilter {
     }
 
     /// Tells rejections, bias, consistency by the mean NIS, and the remedy at the end of a run.
-    pub(super) fn concluded(&self, step: Step, seen: &Seen<Self>) -> Step {
+    pub(super) fn conclude(&self, step: Step, seen: &Seen<Self>) -> Step {
         let Some(state) = self.ended(seen) else { return step };
-        let step = restarted(step, state);
+        let step = tell_restart(step, state);
         let step =
-            modes::concluded(step, state.records.iter().map(|record| &**record), f64::from(self.measurement_noise));
+            modes::conclude(step, state.records.iter().map(|record| &**record), f64::from(self.measurement_noise));
         let gated: Vec<&Gated> = state.records.iter().filter_map(|record| record.of_sensor(0)).collect();
         let nis = accepted(state);
         let rejected = gated.len() - nis.len();
@@ -105,11 +104,10 @@ impl KalmanFilter {
     }
 }
 
-/// Tells the last restart of a run.
-fn restarted(step: Step, state: &State) -> Step {
+fn tell_restart(step: Step, state: &State) -> Step {
     let Some(retry) = &state.retry else { return step };
     let Some(restart) = &retry.restart else { return step };
-    let step = tried(step.put(value::DIVERGED_FRAME, retry.frame), &retry.diverged).say(case::HAD_DIVERGED);
+    let step = tell_trial(step.put(value::DIVERGED_FRAME, retry.frame), &retry.diverged).say(case::HAD_DIVERGED);
     put_restart(step, restart).say(case::WAS_RESTARTED)
 }
 
@@ -144,7 +142,7 @@ fn bias(accepted: &[&Gated]) -> Option<[f64; 2]> {
     (accepted.len() >= LEAST_INNOVATIONS && is_biased).then(|| sum.map(|sum| sum / accepted.len() as f64))
 }
 
-/// Where measurements lie from their predictions.
+/// The side of their predictions on which measurements lie.
 enum Direction {
     /// Along the predicted path, as those of an object that brakes.
     Along,

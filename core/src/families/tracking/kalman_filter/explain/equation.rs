@@ -2,7 +2,8 @@
 
 use super::{shared, value};
 use crate::base::words::rounded;
-use crate::families::tracking::kalman_filter::{Gated, matrices::column, modes};
+use crate::families::tracking::kalman_filter::{Gated, modes};
+use crate::geometry::Grid;
 use crate::methods::kalman::{Filter, UpdateNumbers};
 use crate::methods::numbers::{LENGTH_DECIMALS, RATIO_DECIMALS, digits, finer};
 use crate::scene::{Role, Step};
@@ -32,7 +33,7 @@ pub(super) fn prediction(step: Step, [before, after]: &[Filter; 2]) -> Step {
         }
         Filter::Turn(..) => {
             let step = match before.sigma() {
-                Some(sigma) => modes::moved(step, &sigma),
+                Some(sigma) => modes::tell_moved_points(step, &sigma),
                 None => step.formula(
                     r"\mathbf{x}^- = f(\mathbf{x}),\; \mathbf{P}^- = \mathbf{F} \mathbf{P} \mathbf{F}^\top + \mathbf{Q}",
                 ),
@@ -40,7 +41,7 @@ pub(super) fn prediction(step: Step, [before, after]: &[Filter; 2]) -> Step {
             let step = step.put(value::X_BEFORE, x).put(value::U, u);
             step.formula(r"x = {x_before},\; u = {u:unit};\; x^- = {x}")
         }
-        Filter::Interacting(..) => modes::predicted(step, after),
+        Filter::Interacting(..) => modes::tell_prediction(step, after),
     }
 }
 
@@ -48,7 +49,11 @@ pub(super) fn prediction(step: Step, [before, after]: &[Filter; 2]) -> Step {
 pub(super) fn gate(step: Step, gated: &Gated) -> Step {
     let Some(numbers) = gated.expected.update_numbers(gated.measurement()) else { return step };
     let further = numbers.digits_of_distance();
-    let step = step.put_value(finer(shared::INNOVATION, column(&numbers.residual), further));
+    let step = step.put_value(finer(
+        shared::INNOVATION,
+        Grid::from_fn(1, numbers.residual.len(), |_, y| numbers.residual[y]),
+        further,
+    ));
     let step = step.put_value(finer(shared::INNOVATION_COVARIANCE, numbers.covariance, further));
     let step = step.formula(of_sensor(
         gated,

@@ -1,15 +1,15 @@
 //! The marks of the Kalman filter on the pictures.
 
-use super::{StepEstimates, point, truth};
+use super::{StepEstimates, truth};
 use crate::families::tracking::kalman_filter::sensors::SensorReading;
-use crate::families::tracking::kalman_filter::{Event, FrameRecord, Gated, KalmanFilter, modes};
+use crate::families::tracking::kalman_filter::{Event, FrameRecord, Gated, KalmanFilter, modes, modes::point};
 use crate::methods::kalman::{Filter, chi_square, ellipse};
 use crate::run::Seen;
 use crate::scene::{Arrow, Picture, Role, Scene, Shape};
 
 impl KalmanFilter {
     /// Draws the step: trails, detections, the true position, estimates, and measurements with the gate.
-    pub(in super::super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(in super::super) fn draw_marks(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let (state, now) = (seen.before, self.now(seen));
         trails(seen, &now, scene);
         let detections = seen.events.iter().find_map(|event| match event {
@@ -18,8 +18,7 @@ impl KalmanFilter {
         });
         for found in detections.into_iter().flat_map(|all| all.iter()) {
             let shape = Shape::Rect { min: found.bounds.min, max: found.bounds.max };
-            scene.mark(Picture::CURRENT, Role::Reference, shape);
-            scene.legend(Role::Reference, "detection");
+            scene.draw(Picture::CURRENT, (Role::Reference, "detection"), shape);
         }
         self.truth(seen, scene);
         if let Some(predicted) = now.predicted {
@@ -37,13 +36,12 @@ impl KalmanFilter {
             Some(Event::Retried(retry)) => {
                 if let Some(restart) = &retry.restart {
                     let points = restart.path.iter().copied().map(point).collect();
-                    scene.mark(Picture::CURRENT, Role::Result, Shape::Path { points, closed: false });
-                    scene.legend(Role::Result, "restarted track");
+                    scene.draw(Picture::CURRENT, (Role::Result, "restarted track"), Shape::line(points));
                 }
             }
             _ => {}
         }
-        measured(seen, &now, scene);
+        draw_measurements(seen, &now, scene);
         let is_back = state.back.is_some();
         if let Some(before) = now.before.filter(|_| is_back) {
             self.draw_estimate(&before, (Role::Estimate, "filtered estimate"), scene);
@@ -64,15 +62,13 @@ impl KalmanFilter {
         let center = filter.place();
         if let Some(shape) = ellipse(center, filter.place_covariance(), self.confidence.share()) {
             scene.mark(Picture::CURRENT, role, shape);
-            scene.mark(Picture::CURRENT, role, Shape::Points(vec![point(center)]));
-            scene.legend(role, meaning);
+            scene.draw(Picture::CURRENT, (role, meaning), Shape::Points(vec![point(center)]));
         }
     }
 
     fn truth(&self, seen: &Seen<Self>, scene: &mut Scene) {
         if let Some(truth) = truth(seen) {
-            scene.mark(Picture::CURRENT, Role::Truth, Shape::Points(vec![point(truth)]));
-            scene.legend(Role::Truth, "true position");
+            scene.draw(Picture::CURRENT, (Role::Truth, "true position"), Shape::Points(vec![point(truth)]));
         }
     }
 }
@@ -103,8 +99,7 @@ fn trails(seen: &Seen<KalmanFilter>, now: &StepEstimates, scene: &mut Scene) {
             }
         }
         for points in runs.into_iter().filter(|points| points.len() > 1) {
-            scene.mark(Picture::CURRENT, role, Shape::Path { points, closed: false });
-            scene.legend(role, meaning);
+            scene.draw(Picture::CURRENT, (role, meaning), Shape::line(points));
         }
     };
     draw(
@@ -124,13 +119,12 @@ fn gate(gated: &Gated, scene: &mut Scene) {
     // The share of positions within the gating threshold.
     let share = chi_square::share(gated.limit, 2);
     if let Some(shape) = ellipse(gated.expected.place(), covariance, share) {
-        scene.mark(Picture::CURRENT, Role::Window, shape);
-        scene.legend(Role::Window, "gate");
+        scene.draw(Picture::CURRENT, (Role::Window, "gate"), shape);
     }
 }
 
 /// Draws the measurements and the innovation.
-fn measured(seen: &Seen<KalmanFilter>, now: &StepEstimates, scene: &mut Scene) {
+fn draw_measurements(seen: &Seen<KalmanFilter>, now: &StepEstimates, scene: &mut Scene) {
     let looked = seen.events.iter().find_map(|event| match event {
         Event::Observed(observed) => Some(&observed.measured),
         _ => None,
@@ -143,8 +137,11 @@ fn measured(seen: &Seen<KalmanFilter>, now: &StepEstimates, scene: &mut Scene) {
     for (role, reading) in [(Role::Measured, taken), (Role::Rejected, refused)] {
         if !reading.is_empty() {
             let points = reading.iter().map(|reading| point(reading.measurement.place)).collect();
-            scene.mark(Picture::CURRENT, role, Shape::Points(points));
-            scene.legend(role, if role == Role::Rejected { "rejected measurement" } else { "measurement" });
+            scene.draw(
+                Picture::CURRENT,
+                (role, if role == Role::Rejected { "rejected measurement" } else { "measurement" }),
+                Shape::Points(points),
+            );
         }
     }
     // The innovation of the current sensor; a rejected one updates nothing.

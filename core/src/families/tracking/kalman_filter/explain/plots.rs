@@ -25,14 +25,9 @@ impl KalmanFilter {
         };
         let x_max = state.span.first + state.span.frames().map_or(state.records.len(), |frames| frames - 1);
         let series = |title, y_label, lines: Vec<Line>| Series {
-            title,
-            x_label: "frame",
-            y_label,
-            x_max,
-            lines,
             decimals: Some(2),
             present: seen.before.back.map(|_| frame_of(seen.before) as f32),
-            ..Series::default()
+            ..Series::new(title, ["frame", y_label], x_max, lines)
         };
         if state.records.len() < 2 {
             return Vec::new();
@@ -55,7 +50,7 @@ impl KalmanFilter {
             all.push(Series { decimals: Some(3), ..series("Mode probabilities", "μ", probabilities) });
         }
         for (sensor, title) in names.into_iter().enumerate() {
-            // The frame at hand counts from its gate on.
+            // The current frame counts from its gate on.
             let present = seen.events.iter().find_map(|event| match event {
                 Event::Gated(gated) if seen.after.is_none() && gated.reading.sensor == sensor => Some(&**gated),
                 _ => None,
