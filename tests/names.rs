@@ -1,4 +1,4 @@
-//! The app is told what an estimator is by its declaration: no estimator, family, granularity or parameter is named in `src/`.
+//! Estimators declare themselves: no estimator, family, granularity or parameter is named in `src/`. Comments name things, too.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -185,6 +185,72 @@ fn the_app_names_no_estimator() {
     for (file, _) in DATA {
         assert!(root.join(file).is_file(), "{file} is gone");
     }
+}
+
+/// The openings of a noun clause that stands for a name.
+const OPENINGS: [&str; 6] = ["What ", "Whoever ", "Those of ", "So many ", "As far as ", "Of what "];
+/// Phrases in comments that name nothing.
+const PHRASES: [&str; 10] = [
+    "so many",
+    "at hand",
+    "worked out",
+    "nobody",
+    "someone",
+    "gives up",
+    "on its way",
+    "became of",
+    "what is left",
+    "not wanted any more",
+];
+/// Folders in which comments have none of these.
+const PLAIN: [&str; 4] = ["core/src/families/", "core/src/methods/", "core/src/products/", "core/src/run/"];
+/// The most such comments in all other folders; whoever removes some lowers it.
+const LEFT: usize = 795;
+
+/// Every comment of `source` with its first line: lines that follow each other are one comment.
+fn comments(source: &str) -> Vec<(usize, String)> {
+    let mut found: Vec<(usize, String)> = Vec::new();
+    let mut is_comment = false;
+    for (i, line) in source.lines().map(str::trim_start).enumerate() {
+        let text = line.trim_start_matches(['/', '!']).trim();
+        match found.last_mut().filter(|_| is_comment && line.starts_with("//")) {
+            Some((_, comment)) => *comment = format!("{comment} {text}"),
+            None if line.starts_with("//") => found.push((i + 1, text.to_owned())),
+            None => {}
+        }
+        is_comment = line.starts_with("//");
+    }
+    found
+}
+
+fn is_plain(comment: &str) -> bool {
+    let opens = OPENINGS.iter().any(|opening| comment.starts_with(opening));
+    !opens && !PHRASES.iter().any(|phrase| comment.contains(phrase))
+}
+
+#[test]
+fn comments_name_the_thing() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut files = Vec::new();
+    ["core/src", "src"].iter().for_each(|folder| sources(&root.join(folder), &mut files));
+    let (mut wrong, mut left, mut read) = (Vec::new(), 0, 0);
+    for path in &files {
+        let name = path.strip_prefix(root).expect("below the root").to_string_lossy().replace('\\', "/");
+        let all = comments(&fs::read_to_string(path).expect("a source"));
+        read += all.len();
+        for (line, comment) in all.into_iter().filter(|(_, comment)| !is_plain(comment)) {
+            match PLAIN.iter().any(|folder| name.starts_with(folder)) {
+                true => wrong.push(format!("{name}:{line}: {comment}")),
+                false => left += 1,
+            }
+        }
+    }
+    assert!(read > 10_000, "only {read} comments were read");
+    assert!(wrong.is_empty(), "name the thing, or the reason:\n{}", wrong.join("\n"));
+    assert!(left <= LEFT, "{left} comments elsewhere, where {LEFT} were left: name the thing");
+    let told = ["What it is.", "The threads that are left.", "The pixels at hand.", "The state at its end."];
+    assert_eq!(told.map(is_plain), [false, true, false, true]);
+    assert_eq!(comments("/// Of\n/// two.\nfn f() {} // no\n// x"), [(1, "Of two.".to_owned()), (4, "x".to_owned())]);
 }
 
 #[test]
