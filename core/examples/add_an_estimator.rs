@@ -104,8 +104,7 @@ impl Estimator for Still {
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let block = seen.before.blocks.block(seen.before.costs.len());
         let shape = Shape::pixels(block.x as i32, block.y as i32, block.width, block.height);
-        scene.mark(Picture::CURRENT, Role::Reference, shape);
-        scene.legend(Role::Reference, "block");
+        scene.draw(Picture::CURRENT, (Role::Reference, "block"), shape);
     }
 
     fn output(&self, state: &State) -> Output {

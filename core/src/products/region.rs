@@ -243,7 +243,7 @@ fn error(frame: usize, RegionFrame { region, is_lost, .. }: &RegionFrame, truth:
     }
 }
 
-/// The area of the box around a region as a multiple of that of the true box.
+/// The area of the box around a region as a multiple of the true box.
 pub(crate) fn area_ratio(of: &RegionError) -> f64 {
     f64::from(of.bounds.area()) / f64::from(of.truth.area())
 }

@@ -27,7 +27,7 @@ impl Window {
 
 /// The position in a picture of this size to which `back` maps a position; `None` outside the picture.
 pub fn inside(back: &Matrix3, at: [f64; 2], (width, height): (usize, usize)) -> Option<[f64; 2]> {
-    /// Rounding puts the border itself outside.
+    /// Rounding can put the border itself outside.
     const SLACK: f64 = 1e-6;
     let limits = [width, height].map(|extent| (extent as f64 - 1.0).max(0.0));
     let to = mapped(back, at)?;

@@ -60,7 +60,7 @@ pub(crate) fn repeatability_in_flow(
     let is_hidden = |place: (usize, usize)| hidden.is_some_and(|hidden| hidden.get(place.0, place.1) == Some(&true));
     let led = |at: [f32; 2]| {
         let place = flow.0.cell_at(at).filter(|place| !is_hidden(*place))?;
-        // Between pixels of which one is unknown, that of the nearest.
+        // Between pixels of which one is unknown, the value of the nearest.
         let [u, v] = flow.sample(at).or_else(|| flow.at(place.0, place.1))?;
         Some([at[0] + u, at[1] + v].map(f64::from)).filter(|to| is_in(*to, second.picture))
     };

@@ -42,7 +42,7 @@ impl Streaks {
         let lengths = places.clone().filter_map(|[x, y]| flow.at(x, y)).map(|[u, v]| u.hypot(v));
         let usual = median(lengths.filter(|length| *length > 0.0).collect());
         let life = REACH * spacing as f32 / usual * STEPS as f32 / TAIL as f32;
-        // A power of two, so that it stays the same from step to step of an estimator.
+        // A power of two, so that it is the same at every step of an estimator.
         let life_frames = life.log2().round().exp2().clamp(*LIFE_FRAMES.start(), *LIFE_FRAMES.end());
         let way = |[x, y]: [usize; 2]| {
             let points = carried(flow, [x as f32, y as f32], life_frames / STEPS as f32);
@@ -67,7 +67,7 @@ impl Streaks {
             let age = (phase + ahead).rem_euclid(1.0);
             let head = age * STEPS as f32;
             let last = (way.len() - 1) as f32;
-            // A particle that has left the picture, or come to where nothing is known, draws its tail after it.
+            // A particle that has left the picture or reached unknown flow draws in its tail.
             let from = (head - TAIL as f32).max(0.0);
             if from >= last {
                 return None;
@@ -87,14 +87,13 @@ impl Streaks {
     }
 }
 
-/// The value in the middle; 1 of none.
+/// The median; 1 without values.
 fn median(mut values: Vec<f32>) -> f32 {
     let middle = values.len() / 2;
     if values.is_empty() { 1.0 } else { *values.select_nth_unstable_by(middle, f32::total_cmp).1 }
 }
 
-/// The places of a particle released at `from`, `step` frames apart, until it leaves the picture or what is known (midpoint
-/// rule).
+/// The places of a particle released at `from`, `step` frames apart, until it leaves the picture or the known flow (midpoint rule).
 fn carried(flow: &Flow, from: [f32; 2], step: f32) -> Vec<[f32; 2]> {
     let next = |at: &[f32; 2]| {
         let toward = |way: [f32; 2], share: f32| [0, 1].map(|i| at[i] + way[i] * step * share);
@@ -107,7 +106,7 @@ fn carried(flow: &Flow, from: [f32; 2], step: f32) -> Vec<[f32; 2]> {
     if goes { way } else { Vec::new() }
 }
 
-/// A share of a life that looks drawn by lot, the same for a place every time.
+/// A pseudo-random share of a life, the same for a place every time.
 fn offset([x, y]: [usize; 2]) -> f32 {
     let mut z = (x as u64) << 32 | y as u64;
     // SplitMix64 (Steele, Lea and Flood 2014).

@@ -50,7 +50,7 @@ pub struct Extent {
 pub struct RunSummary {
     /// The products.
     pub output: Output,
-    /// The products as they were in real time, where the parameters look back.
+    /// The products as known in real time, if the parameters use later frames.
     pub causal: Option<Output>,
     /// The size.
     pub extent: Extent,
@@ -61,7 +61,7 @@ pub trait AnyEstimator: Params + Send + Sync {
     /// Its declaration.
     fn info(&self) -> &'static Info;
 
-    /// The kinds of products that a run may make, the one that matters most first.
+    /// The kinds of products that a run may make, the main one first.
     fn produces(&self) -> &'static [&'static ProductKind];
 
     /// The motion it is guaranteed to find, for tests.
@@ -72,7 +72,7 @@ pub trait AnyEstimator: Params + Send + Sync {
         self.info().frames == 1 || self.produces().iter().all(|kind| kind.is_of_single_frames)
     }
 
-    /// Whether frame t alone shows its run: no second frame and no picture of its own belongs beside it.
+    /// Whether frame t alone shows its run, without a second frame or pictures of its own.
     fn shows_frame_alone(&self) -> bool {
         self.is_of_single_frames() && !self.produces().iter().any(|kind| kind.has_pictures)
     }
@@ -97,16 +97,16 @@ pub trait AnyEstimator: Params + Send + Sync {
     /// If a frame cannot be read.
     fn stage_view(&self, clip: &Clip, now: usize) -> Result<Option<StageView>, Error>;
 
-    /// Whether it searches blocks by testing candidates: such estimators can go in lockstep.
+    /// Whether it tests candidates of blocks: such estimators can run in lockstep.
     fn tests_candidates(&self) -> bool;
 
-    /// The parameter whose values are contrasted where it runs in lockstep with itself.
+    /// The parameter whose values are contrasted if it runs in lockstep with itself.
     fn contrasts(&self) -> Option<&'static str>;
 
     /// Whether it reads frames; some estimators read detections only.
     fn needs_pictures(&self) -> bool;
 
-    /// The charts that its steps may have something for.
+    /// The charts that its steps may fill.
     fn charts(&self) -> &'static [Chart];
 
     /// As [`Estimator::QUESTIONS`].
@@ -115,7 +115,7 @@ pub trait AnyEstimator: Params + Send + Sync {
     /// The same estimator with the same parameters.
     fn boxed_clone(&self) -> Box<dyn AnyEstimator>;
 
-    /// Memory that a run on a clip takes, known before it starts: about the most, beside the frames of the clip.
+    /// Estimated peak memory of a run on a clip, without the frames of the clip.
     fn need(&self, clip: &Clip) -> Need;
 
     /// A run that can be walked through in both directions.
@@ -142,7 +142,7 @@ pub trait AnyEstimator: Params + Send + Sync {
     /// If the clip, the frame or the parameters do not allow a run.
     fn begin(&self, clip: &Clip, frame: usize) -> Result<Box<dyn AnyRun>, Error>;
 
-    /// The size of a whole run, where its result does not matter.
+    /// The size of a whole run, without its result.
     ///
     /// # Errors
     /// If the clip, the frame, the parameters or the memory do not allow a run.

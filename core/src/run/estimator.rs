@@ -22,7 +22,7 @@ use crate::scene::{Chart, Focus, Line, Name, Picture, Question, Role, Scene, Ste
 /// The declaration of an estimator.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Info {
-    /// Stable kebab-case id: `full-search`. Its file is called the same, with underscores.
+    /// Stable kebab-case id: `full-search`. Its file has the same name, with underscores.
     pub id: &'static str,
     /// Name in the window: `Full search`.
     pub name: &'static str,
@@ -36,12 +36,11 @@ pub struct Info {
     pub pseudocode: &'static [Line],
     /// Names of the granularities of stepping, outermost first. The last is an event, the one before it a unit.
     pub granularities: &'static [&'static str],
-    /// Number of frames that a run reads, from its first one on.
+    /// Number of frames that a run reads.
     pub frames: usize,
 }
 
-/// The guaranteed result of an estimator for a global translation within its range, in whole px unless stated
-/// otherwise.
+/// The guaranteed result of an estimator for a global translation within its range, in whole px unless stated otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Guarantee {
     /// The translation, on any texture that does not repeat.
@@ -97,7 +96,7 @@ impl Info {
 pub const LEVEL: &str = "level";
 /// The granularity of rows of a picture, named by their coordinate y.
 pub const ROW: &str = "row";
-/// The granularity of frames, whose number in the clip is shown wherever a run is.
+/// The granularity of frames, whose numbers in the clip are always shown.
 pub const FRAME: &str = "frame";
 
 /// The position of a run on one granularity.
@@ -142,9 +141,8 @@ impl<E: Estimator> Seen<'_, E> {
 
 /// A motion estimator: parameters, a state, and one unit of work at a time.
 ///
-/// A *unit* is the natural outer step (a block, an iteration, a feature, a frame); *events* are what
-/// happens inside it. Everything that a unit reads and writes is in the state, so that a run can be
-/// taken up anywhere and gives the same bits.
+/// A *unit* is the natural outer step (a block, an iteration, a feature, a frame); *events* are what happens inside it. Everything that a
+/// unit reads and writes is in the state, so that a run can be resumed anywhere with the same bits.
 pub trait Estimator: Params + Footprint<<Self as Estimator>::State> + Default + Clone + Send + Sync + 'static {
     /// Its declaration.
     const INFO: Info;
@@ -156,11 +154,11 @@ pub trait Estimator: Params + Footprint<<Self as Estimator>::State> + Default + 
     const TELLS_CONFIDENCE: bool = false;
     /// Whether it reads frames; some estimators read detections only.
     const NEEDS_PICTURES: bool = true;
-    /// The parameter whose values are contrasted where the estimator runs in lockstep with itself.
+    /// The parameter whose values are contrasted if the estimator runs in lockstep with itself.
     const CONTRASTS: Option<&'static str> = None;
     /// The charts that its steps fill, the main one first; the window offers no others.
     const CHARTS: &'static [Chart] = Chart::ALL;
-    /// The questions about its next step, the most telling first: of those that a step answers, the first is asked.
+    /// The questions about its next step, the most telling first: the first that a step answers is asked.
     const QUESTIONS: &'static [Question] = &[];
     /// Everything that a unit reads and writes, its random generator included.
     type State: Clone + Send + Sync + 'static;
@@ -196,8 +194,8 @@ pub trait Estimator: Params + Footprint<<Self as Estimator>::State> + Default + 
         None
     }
 
-    /// Number of earlier frames on which what it finds in a frame depends, for estimators that process a clip frame by frame; `None` if
-    /// on all of them.
+    /// Number of earlier frames on which the result of a frame depends, for estimators that process a clip frame by frame; `None` if on
+    /// all of them.
     fn earlier_frames(&self) -> Option<usize> {
         None
     }
@@ -213,7 +211,7 @@ pub trait Estimator: Params + Footprint<<Self as Estimator>::State> + Default + 
         None
     }
 
-    /// The frames that its stages read while it works on frame `now`, if not the pair from there on.
+    /// The frames that its stages read while it works on frame `now`, if not the pair that begins there.
     ///
     /// # Errors
     /// If a frame cannot be read.
@@ -231,8 +229,7 @@ pub trait Estimator: Params + Footprint<<Self as Estimator>::State> + Default + 
         false
     }
 
-    /// The line of pseudocode of an event, where each stands for a stage of the unit: in lockstep, events of one stage stand side
-    /// by side.
+    /// The line of pseudocode of an event, if each stands for a stage of the unit: in lockstep, events of one stage stand side by side.
     fn stage(&self, _event: &Self::Event) -> Option<Name> {
         None
     }
@@ -253,7 +250,7 @@ pub trait Estimator: Params + Footprint<<Self as Estimator>::State> + Default + 
     /// Draws the scene at the cursor.
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene);
 
-    /// The products of a state as they were in real time, as for a live camera, where its parameters look back.
+    /// The products of a state as known in real time, as for a live camera, if its parameters use later frames.
     fn causal(&self, _state: &Self::State) -> Option<Output> {
         None
     }
@@ -287,7 +284,8 @@ pub trait Estimator: Params + Footprint<<Self as Estimator>::State> + Default + 
     }
 }
 
-/// Runs to the end, each unit by `advance`, with units and events counted by `tally`: what [`Estimator::run`] is for units that use cores inside.
+/// Runs to the end, each unit by `advance`, with units and events counted by `tally`: an [`Estimator::run`] for units that are parallel
+/// inside.
 ///
 /// # Errors
 /// As [`Estimator::start`] and `advance`.

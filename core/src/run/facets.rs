@@ -7,17 +7,16 @@ use crate::scene::{Focus, Picture};
 
 /// The memory of an estimator with states `S`.
 pub trait Footprint<S: Clone> {
-    /// Memory that a run on a clip takes, known before it starts: about the most, beside the frames of the clip. A run for which
-    /// there is not so much is refused.
+    /// Estimated peak memory of a run on a clip, without the frames of the clip. A run without enough memory is refused.
     fn need(&self, clip: &Clip) -> Need;
 
-    /// The state as a checkpoint keeps it: without what [`Estimator::advance`](super::Estimator::advance) makes again where it
-    /// is missing.
+    /// The state as a checkpoint keeps it: without the parts that [`Estimator::advance`](super::Estimator::advance) recomputes if they
+    /// are missing.
     fn at_rest(&self, state: &S) -> S {
         state.clone()
     }
 
-    /// Memory that one state at rest takes by itself, in bytes, for the budget of checkpoints.
+    /// Memory of a single state at rest in bytes, for the budget of checkpoints.
     fn state_bytes(&self, state: &S) -> usize;
 
     /// Memory of a run without the two frames in bytes, including what its states share.
@@ -28,7 +27,7 @@ pub trait Footprint<S: Clone> {
 
 /// A search that tests candidates for blocks, one at an event `E`, and has states `S`.
 pub trait TestsCandidates<S, E> {
-    /// The units that lead to the result of block `block`, the last one being that which finds it.
+    /// The units that lead to the result of block `block`, the last of which finds it.
     fn way_to(&self, _state: &S, block: usize) -> Vec<usize> {
         vec![block]
     }
@@ -45,12 +44,12 @@ pub trait TestsCandidates<S, E> {
 pub enum Explained {
     /// At every step, since each is about all pixels.
     Always,
-    /// From this place of the run on: there it is its turn.
+    /// From this position of the run, at which the pixel is processed.
     From(Cursor),
 }
 
 impl Explained {
-    /// Whether that is so at `cursor`.
+    /// Whether the pixel can be explained at `cursor`.
     pub fn at(self, cursor: Cursor) -> bool {
         match self {
             Self::Always => true,
@@ -64,7 +63,7 @@ impl Explained {
 pub struct StageView {
     /// The clip on whose first pair they run.
     pub clip: Clip,
-    /// The values that it gives to parameters which it decides.
+    /// The values of the parameters that it decides.
     pub set: Vec<(&'static str, Value)>,
 }
 

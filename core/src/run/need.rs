@@ -36,8 +36,7 @@ impl Need {
 /// Bytes per pixel of the frames of a pair, each in gray and in colour.
 const PAIR: u64 = 2 * (1 + 3);
 
-/// Checks that `bytes`, the need of estimator `who`, are free; without a given memory, also those of the frames that it
-/// has decoded.
+/// Checks that `bytes`, the need of estimator `who`, are free; without a given memory, also those of the frames that it has decoded.
 pub(crate) fn check(clip: &Clip, who: &str, bytes: u64) -> Result<(), Error> {
     let (free, (width, height)) = (clip.room(), clip.size());
     let pair = if clip.has_budget() || clip.is_blank() { 0 } else { PAIR.saturating_mul((width * height) as u64) };

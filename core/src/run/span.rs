@@ -7,7 +7,7 @@ use crate::data::Clip;
 /// The name of the parameter for the number of frames.
 pub const FRAMES: &str = "frames";
 
-/// Frames from the first to the last of a run, both counted in.
+/// Frames from the first to the last of a run, inclusive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Span {
     /// The first.
@@ -20,8 +20,7 @@ pub struct Span {
 impl Span {
     /// At most `count` frames from `first` on, fewer if the clip ends.
     ///
-    /// # Errors
-    /// If there is no pair of frames there: without a second one nothing is seen to move.
+    /// # Errors If there is no pair of frames there: motion needs a second frame.
     pub fn new(clip: &Clip, first: usize, count: usize) -> Result<Self, Error> {
         clip.pair(first)?;
         let frames = clip.info().frames;
@@ -30,7 +29,7 @@ impl Span {
         Ok(Self { first, last, is_known: frames.is_some() })
     }
 
-    /// The part of it before frame `next`, which lies in it or directly behind.
+    /// The part of it before frame `next`, which lies in it or directly after it.
     #[must_use]
     pub fn until(self, next: usize) -> Self {
         Self { last: next.saturating_sub(1).clamp(self.first, self.last), is_known: true, ..self }

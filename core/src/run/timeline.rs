@@ -15,7 +15,7 @@ use crate::data::Clip;
 use crate::products::Output;
 use crate::scene::{Focus, Name, Picture, Role, Scene, Step};
 
-/// A unit that was run before our eyes.
+/// A unit that was run with its events observed.
 struct Unit<E: Estimator> {
     index: usize,
     before: E::State,
@@ -76,10 +76,10 @@ impl Goal {
     }
 }
 
-/// Work that a checkpoint saves at least, in multiples of the time that it takes to keep one: with more of them a walk would
-/// spend its time on copies. Where they are kept does not change what is shown.
+/// A checkpoint is kept if it saves at least this multiple of the time that keeping it takes; otherwise a walk would
+/// spend its time on copies. The choice does not affect the results.
 const SAVED: u32 = 8;
-/// A state of at most this size is kept whatever it saves.
+/// A state of at most this size is always kept.
 const SMALL_BYTES: usize = 4 << 10;
 
 /// Checkpoints of states before units, within a budget of memory.
@@ -172,7 +172,7 @@ pub struct Timeline<E: Estimator> {
     pending: Option<PendingMove<E>>,
     checkpoints: Checkpoints<E::State>,
     groups: Groups,
-    /// Units performed so far, those performed again included.
+    /// Units performed so far, including repeated ones.
     advanced: usize,
 }
 
@@ -230,7 +230,7 @@ impl<E: Estimator> Timeline<E> {
         if self.unit_is_over() { &self.unit.after } else { &self.unit.before }
     }
 
-    /// Bytes that the checkpoints take now.
+    /// Memory of the checkpoints in bytes.
     pub fn checkpoint_bytes(&self) -> usize {
         self.checkpoints.bytes
     }
@@ -259,8 +259,7 @@ impl<E: Estimator> Timeline<E> {
         self.seen > 0 && self.seen == self.unit.events.len()
     }
 
-    /// Records `state`, before unit `index`, which takes `work` to reach from a checkpoint; returns the work to reach
-    /// it from now on.
+    /// Records `state`, before unit `index`, which takes `work` to reach from a checkpoint; returns the work to reach it from now on.
     fn come_by(&mut self, index: usize, state: &E::State, work: Duration) -> Duration {
         self.groups.note(index, &self.estimator.place(state));
         let estimator = &self.estimator;
@@ -315,7 +314,7 @@ impl<E: Estimator> Timeline<E> {
         }
     }
 
-    /// Starts towards `goal` from the nearest checkpoint.
+    /// Starts a move to `goal` from the nearest checkpoint.
     fn begin_move(&self, goal: Goal) -> PendingMove<E> {
         let goal = match (goal, self.units) {
             (Goal::Cursor(cursor), Some(units)) if cursor.unit >= units => Goal::end_of(units - 1),
@@ -363,7 +362,7 @@ impl<E: Estimator> Timeline<E> {
         }
     }
 
-    /// Runs the unit that the move looked for, observed.
+    /// Runs the unit of the goal, observed.
     fn complete_move(&mut self, pending: PendingMove<E>, cursor: Cursor) -> Option<PendingMove<E>> {
         let work = self.come_by(pending.index, &pending.state, pending.work);
         self.advanced += 1;
@@ -381,8 +380,8 @@ impl<E: Estimator> Timeline<E> {
         }
     }
 
-    /// Unit `index` fails: the run ends before it. The first unit has run once, so it stays. If it was cancelled, so is the move,
-    /// and the run stays where it is.
+    /// Ends the run before unit `index`, which failed. The first unit has run once, so it stays. If it was cancelled,
+    /// so is the move, and the run stays where it is.
     fn end(&mut self, index: usize, error: Error) -> Option<PendingMove<E>> {
         if error == Stop::cancelled() || self.clip.wanted().is_err() {
             return None;

@@ -17,7 +17,7 @@ pub enum Direction {
 /// A move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Move {
-    /// To this cursor, or the nearest there is: `event` beyond the unit's last means its end.
+    /// To this cursor, or the nearest existing one: `event` beyond the unit's last means its end.
     To(Cursor),
     /// To the next or previous stop of a granularity of [`Info::granularities`]: an event for the innermost, the end of a
     /// unit for the one before it, the end of a level or of the whole run for those further out.
@@ -28,8 +28,8 @@ pub enum Move {
 
 /// A run that can be walked through in both directions: a type-erased [`Timeline`](crate::run::Timeline).
 ///
-/// A move is asked for with [`Walk::go`] and done by [`Walk::work`], which returns when the caller says
-/// that its slice of time is over. Until it is finished everything shows the old cursor.
+/// A move is requested with [`Walk::go`] and performed by [`Walk::work`], which returns when the time slice of the caller is over. Until
+/// it is finished, everything shows the old cursor.
 pub trait Walk: Send {
     /// The declaration of the estimator.
     fn info(&self) -> &'static Info;
@@ -55,7 +55,7 @@ pub trait Walk: Send {
     fn at_end(&self) -> bool;
     /// The position of the current unit on each granularity but the innermost.
     fn place(&self) -> Vec<Granularity>;
-    /// Asks for a move; it replaces one that is not finished.
+    /// Requests a move; it replaces an unfinished one.
     fn go(&mut self, to: Move);
     /// Works on the move while `more` returns true; returns whether it is finished.
     fn work(&mut self, more: &mut dyn FnMut() -> bool) -> bool;
@@ -101,7 +101,7 @@ pub trait Walk: Send {
     fn scene(&self, focus: Option<Focus>) -> Scene;
     /// The products at the cursor, of all finished units.
     fn output(&self) -> Output;
-    /// The products at the cursor as they were in real time, where the parameters look back.
+    /// The products at the cursor as known in real time, if the parameters use later frames.
     fn causal(&self) -> Option<Output> {
         None
     }
@@ -109,7 +109,7 @@ pub trait Walk: Send {
     fn evaluations(&self) -> Vec<usize>;
     /// Candidates that were tested up to the cursor.
     fn evaluated(&self) -> u64;
-    /// The units that lead to the result of block `block`, the last one being that which finds it.
+    /// The units that lead to the result of block `block`, the last of which finds it.
     fn way_to(&self, block: usize) -> Vec<usize>;
 
     /// The runs side by side, the leading one first; empty for a single run.
@@ -122,8 +122,7 @@ pub trait Walk: Send {
         self.jump_while(to, &|| true);
     }
 
-    /// Goes there while `is_wanted`; returns whether it arrived. A move that is abandoned leaves the cursor where it
-    /// was.
+    /// Goes there while `is_wanted`; returns whether it arrived. A move that is abandoned leaves the cursor where it was.
     fn jump_while(&mut self, to: Move, is_wanted: &dyn Fn() -> bool) -> bool {
         self.go(to);
         while is_wanted() {
@@ -140,7 +139,7 @@ pub trait Walk: Send {
 pub struct Beside {
     /// The declaration of the estimator.
     pub info: &'static Info,
-    /// Its name, which tells it from the others, whole and short.
+    /// Its name, distinct from the others, in full and short.
     pub names: [String; 2],
     /// The position of its own run.
     pub cursor: Cursor,
@@ -161,8 +160,7 @@ pub struct Beside {
 pub struct CandidateCount {
     /// For the current block.
     pub here: usize,
-    /// Number of the unit that it is at, of those that lead to the block, from 1, and their total: several for
-    /// coarse-to-fine searches.
+    /// Number of the unit that it is at, of those that lead to the block, from 1, and their total: several for coarse-to-fine searches.
     pub leg: (usize, usize),
     /// In the whole run so far.
     pub in_all: u64,

@@ -62,8 +62,8 @@ impl BlockSearch for Diamond {
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
         let lines = Descent { test: line::TEST_LARGE_DIAMOND, decide: line::MOVE_CENTER };
         let centre = descend(tester, &LARGE, lines, "large diamond");
-        let told = || Step::at(line::TEST_SMALL_DIAMOND).put(value::CENTER, centre).say(case::SMALL_DIAMOND);
-        tester.stage(around(centre, &SMALL, 1), told);
+        let reason = || Step::at(line::TEST_SMALL_DIAMOND).put(value::CENTER, centre).say(case::SMALL_DIAMOND);
+        tester.stage(around(centre, &SMALL, 1), reason);
     }
 }
 

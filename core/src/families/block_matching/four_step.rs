@@ -58,8 +58,8 @@ impl BlockSearch for FourStep {
         for number in 1..=squares {
             tester.stage(around(centre, &SQUARE, 2), || {
                 let step = Step::at(line::TEST_SQUARE).put(value::CENTER, centre).put(value::SQUARE, number);
-                let told = if number == 1 { case::SQUARE_STARTS } else { case::SQUARE_MOVES };
-                step.put(value::MOST_SQUARES, squares).say(told)
+                let reason = if number == 1 { case::SQUARE_STARTS } else { case::SQUARE_MOVES };
+                step.put(value::MOST_SQUARES, squares).say(reason)
             });
             let best = tester.best();
             let is_reached = best == centre;
@@ -73,7 +73,7 @@ impl BlockSearch for FourStep {
             centre = best;
         }
         let best = tester.best();
-        let told = || Step::at(line::TEST_NEIGHBORS).put(value::BEST, best).say(case::LAST);
-        tester.stage(around(best, &SQUARE, 1), told);
+        let reason = || Step::at(line::TEST_NEIGHBORS).put(value::BEST, best).say(case::LAST);
+        tester.stage(around(best, &SQUARE, 1), reason);
     }
 }

@@ -51,7 +51,7 @@ impl BlockSearch for Hexagon {
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
         let lines = Descent { test: line::TEST_HEXAGON, decide: line::MOVE_CENTER };
         let centre = descend(tester, &HEXAGON, lines, "hexagon");
-        let told = || Step::at(line::TEST_SMALL_DIAMOND).put(value::CENTER, centre).say(case::SMALL_DIAMOND);
-        tester.stage(around(centre, &SMALL, 1), told);
+        let reason = || Step::at(line::TEST_SMALL_DIAMOND).put(value::CENTER, centre).say(case::SMALL_DIAMOND);
+        tester.stage(around(centre, &SMALL, 1), reason);
     }
 }

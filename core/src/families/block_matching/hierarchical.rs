@@ -248,7 +248,7 @@ impl Hierarchical {
         result
     }
 
-    /// Refines the vectors of the coarser level on a finer one.
+    /// Refines the vectors of the coarser level on the finer one.
     fn refine(&self, inherited: &[Displacement], tester: &mut Tester<impl Observer<Event>>) {
         tester.stage(inherited.iter().copied().chain([[0, 0]]), || {
             let first = inherited.first().copied().unwrap_or_default();
@@ -491,7 +491,7 @@ impl Footprint<State> for Hierarchical {
 }
 
 impl TestsCandidates<State, Event> for Hierarchical {
-    /// The nearest block of each level, from the coarsest on: each initialises the one below.
+    /// The nearest block of each level, from the coarsest on; each initialises the block below it.
     fn way_to(&self, state: &State, block: usize) -> Vec<usize> {
         let line = state.line(0, block).into_iter().enumerate();
         line.map(|(level, index)| state.first_unit(level) + index).rev().collect()

@@ -72,8 +72,8 @@ impl BlockSearch for LogSearch {
             if is_reached || tester.window.is_at_edge(best) {
                 step /= 2;
                 tester.report(|| {
-                    let told = if is_reached { case::HALVED_AT_CENTER } else { case::HALVED_AT_LIMIT };
-                    Step::at(line::HALVE_STEP).put(value::BEST, best).put(value::STEP, step).say(told)
+                    let reason = if is_reached { case::HALVED_AT_CENTER } else { case::HALVED_AT_LIMIT };
+                    Step::at(line::HALVE_STEP).put(value::BEST, best).put(value::STEP, step).say(reason)
                 });
             }
         }

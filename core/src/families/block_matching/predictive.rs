@@ -118,11 +118,11 @@ impl BlockSearch for Predictive {
             return;
         }
         test_predictors(tester);
-        let (most, told) = match self.adapted(tester, fixed) {
+        let (most, reason) = match self.adapted(tester, fixed) {
             Some(adapted) => (adapted, case::STOP_BELOW_ADAPTED),
             None => (fixed, case::STOP_AT_PREDICTOR),
         };
-        if stops(tester, most, line::STOP_AT_PREDICTOR, told) {
+        if stops(tester, most, line::STOP_AT_PREDICTOR, reason) {
             return;
         }
         let lines = Descent { test: line::TEST_SMALL_DIAMOND, decide: line::UNTIL_BEST_STAYS };
@@ -165,8 +165,8 @@ impl Predictive {
         let squares = (1..=self.fixed_squares as i32).map(move |n| n * step).take_while(move |&side| side <= range);
         let fixed = squares.flat_map(|side| SQUARE[1..].iter().map(move |[u, v]| [side * u, side * v]));
         tester.stage(fixed, || {
-            let told = settings.tell_comparison(Step::at(line::TEST_FIXED), cost, poor);
-            told.put(value::STEP, step).say(case::FIXED_PREDICTORS)
+            let reason = settings.tell_comparison(Step::at(line::TEST_FIXED), cost, poor);
+            reason.put(value::STEP, step).say(case::FIXED_PREDICTORS)
         });
         let lines = Descent { test: line::TEST_LARGE_DIAMOND, decide: line::UNTIL_CENTER_STAYS };
         let centre = descend(tester, &LARGE, lines, "large diamond");
@@ -175,7 +175,7 @@ impl Predictive {
         });
     }
 
-    /// The adaptive threshold, where it is higher than the `fixed` one: a block need not match better than the best of its neighbours.
+    /// The adaptive threshold, if it exceeds the `fixed` one: a block need not match better than its best neighbour.
     fn adapted(&self, tester: &mut Tester<impl Observer<Event>>, fixed: f64) -> Option<f64> {
         let (settings, most) = (tester.settings, tester.cost_of_levels(self.fixed_threshold));
         let least = tester.least_of_neighbours().filter(|&least| least.min(most) > fixed)?;
@@ -200,19 +200,18 @@ fn test_predictors(tester: &mut Tester<impl Observer<Event>>) {
     tester.stage(predicted, || {
         let temporal =
             [(value::COLLOCATED, before, case::COLLOCATED), (value::ACCELERATED, accelerated, case::ACCELERATED)];
-        let known = temporal.into_iter().filter_map(|(of, at, told)| Some((of, at?, told)));
+        let known = temporal.into_iter().filter_map(|(of, at, reason)| Some((of, at?, reason)));
         let step = Step::at(line::TEST_PREDICTORS).say(case::PREDICTORS);
-        known.fold(step, |step, (of, at, told)| step.put(of, at).say(told)).say(case::TESTED)
+        known.fold(step, |step, (of, at, reason)| step.put(of, at).say(reason)).say(case::TESTED)
     });
 }
 
-/// Whether the best match so far does not exceed a threshold, so that the search stops; `told` is the reason, at
-/// `line`.
-fn stops(tester: &mut Tester<impl Observer<Event>>, threshold: f64, line: Name, told: &'static Case) -> bool {
+/// Whether the best match so far does not exceed a threshold, so that the search stops; `reason` tells why, at `line`.
+fn stops(tester: &mut Tester<impl Observer<Event>>, threshold: f64, line: Name, reason: &'static Case) -> bool {
     let (settings, cost) = (tester.settings, tester.best_distortion());
     let stops = cost <= threshold;
     if stops {
-        tester.report(|| settings.tell_comparison(Step::at(line), cost, threshold).say(told));
+        tester.report(|| settings.tell_comparison(Step::at(line), cost, threshold).say(reason));
     }
     stops
 }

@@ -75,7 +75,7 @@ impl BlockSearch for QuadrantSearch {
             let best = tester.best();
             let cost = |quadrant: &Part| tester.known(quadrant.centre()).unwrap_or(f64::INFINITY);
             let holding = whole.quadrants().into_iter().filter(|quadrant| quadrant.holds(best));
-            // The minimum so far was always kept, so a quadrant holds it.
+            // The minimum so far was always kept, so a quadrant contains it.
             part = holding.min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap_or(whole);
             tester.narrowed = Some(part.window());
             tester.report(|| {
@@ -87,8 +87,8 @@ impl BlockSearch for QuadrantSearch {
                 let (side, smallest) = (part.side(), self.min_window);
                 return tester.report(|| {
                     let step = Step::at(line::STOP_AT_SMALLEST).put(value::QUADRANT, side);
-                    let told = if side <= smallest { case::SMALLEST } else { case::ALL_TESTED };
-                    step.put(value::MIN_WINDOW, smallest).say(told)
+                    let reason = if side <= smallest { case::SMALLEST } else { case::ALL_TESTED };
+                    step.put(value::MIN_WINDOW, smallest).say(reason)
                 });
             }
             if before.is_finite() && gain < f64::from(self.min_decrease) {

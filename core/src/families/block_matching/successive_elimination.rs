@@ -9,8 +9,8 @@
 //! ```
 //!
 //! The sums of frame t + 1 are computed once for all blocks, so a bound takes 1, 4 or 16 differences where SAD takes 256. The result
-//! is that of full search, bit for bit. It works where blocks differ in brightness and the minimum is low (scene `translation`:
-//! nearly all is skipped), and fails where all sums are alike: little texture under noise (`flat-wall`: hardly anything is skipped).
+//! is that of full search, bit for bit. It is effective where blocks differ in brightness and the minimum is low (scene `translation`:
+//! nearly all is skipped), and fails where all sums are equal: little texture under noise (`flat-wall`: hardly any is skipped).
 
 use std::sync::Arc;
 
@@ -101,8 +101,7 @@ impl SuccessiveElimination {
         let parts = sums.parts(&tester.work.patch.block);
         let (window, elimination) = (tester.window, Elimination { sum, sums: &sums, parts: &parts });
         for row in 0..window.size.1 {
-            // The limit only falls along the row, so excluded candidates stay excluded. An observer gets each bound by
-            // itself.
+            // The limit only falls along the row, so excluded candidates stay excluded. An observer gets each bound by itself.
             let excluded = if O::WATCHES { 0 } else { elimination.excluded(tester, row) };
             let runs = (0..window.size.0).step_by(LANES).enumerate();
             for (_, first) in runs.filter(|(run, _)| *run >= 64 || excluded >> run & 1 == 0) {
@@ -148,8 +147,7 @@ struct Elimination<'a> {
 }
 
 impl Elimination<'_> {
-    /// The runs of a row of the search window that the sum of the whole block excludes: one bit for each of the first
-    /// 64.
+    /// The runs of a row of the search window that the sum of the whole block excludes: one bit for each of the first 64.
     fn excluded(&self, tester: &Tester<impl Observer<Event>>, row: usize) -> u64 {
         let (block, window) = (tester.block, tester.window);
         let [x, y] = [block.x as isize + window.min[0] as isize, block.y as isize + window.min[1] as isize];
@@ -188,7 +186,7 @@ impl Elimination<'_> {
     }
 }
 
-/// The most levels of a bound, and one to spare: sides from 64 to 4 px.
+/// Maximum number of levels of a bound, and one spare: sides from 64 to 4 px.
 const MOST_LEVELS: usize = 6;
 
 /// The candidates of a run whose bounds do not exceed `limit`, a bit for each.

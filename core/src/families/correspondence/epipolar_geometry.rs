@@ -281,12 +281,12 @@ impl EpipolarGeometry {
 
 /// Smallest ratio of both singular values of an essential matrix for which the intrinsics are accepted.
 const LEAST_RATIO: f64 = 0.8;
-/// Widest field of view of a camera without a fisheye lens, and the narrowest of a telephoto lens, in degrees.
+/// Widest field of view of a camera without a fisheye lens, and narrowest of a telephoto lens, in degrees.
 const VIEWS_DEG: [f64; 2] = [1.0, 150.0];
 
 /// A homogeneous point in px; `None` at infinity.
 fn on_plane([x, y, w]: [f64; 3]) -> Option<[f64; 2]> {
-    /// Farther away the direction alone counts.
+    /// Beyond this distance only the direction matters.
     const FAR_PX: f64 = 1e6;
     let at = [x / w, y / w];
     at.iter().all(|c| c.abs() < FAR_PX).then_some(at)

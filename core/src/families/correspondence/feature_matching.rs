@@ -36,7 +36,7 @@ pub struct State {
 struct Fixed {
     pair: Pair,
     truth: Option<Arc<Flow>>,
-    /// Whether the truth holds for one plane of the scene alone.
+    /// Whether the truth holds for a single plane of the scene only.
     is_of_plane: bool,
 }
 

@@ -32,12 +32,12 @@ pub struct State {
     frame: usize,
     /// All tracks, in the order of their start.
     tracks: Vec<Arc<Track>>,
-    /// The track of each keypoint of the first frame of the pair that ends one.
+    /// The track of each keypoint of the first frame of the pair, if one ends there.
     live: Arc<Vec<Option<u32>>>,
     /// Number of tracks that each earlier pair continues or begins.
     counts: Arc<Vec<u32>>,
     picture: (usize, usize),
-    /// The keypoints of the first frame of the pair, made again where they are missing.
+    /// The keypoints of the first frame of the pair; computed again where they are missing.
     side: Option<Arc<Described>>,
     /// Memory of the keypoints of a frame in bytes.
     side_bytes: usize,
@@ -87,7 +87,7 @@ impl FeatureTracker {
         Ok(Arc::new(Pair { sides: [first, second], truth: truth(clip, state.frame) }))
     }
 
-    /// The comparisons of all keypoints of a pair.
+    /// The nearest neighbours of all keypoints of a pair, with their tests.
     fn compared(&self, clip: &Clip, pair: &Pair, threads: &Threads) -> Result<Vec<Option<Outcome>>, Error> {
         let candidates = self.matching.candidates_of(pair.sides.each_ref().map(|side| &**side));
         threads.map_while(pair.sides[0].points.len(), || clip.wanted(), |index| candidates.compare(index, &mut ()))

@@ -34,10 +34,10 @@ params! {
     }
 }
 
-/// Inliers within a smaller share of the picture may lie on a single object.
+/// Inliers within a smaller share of the picture may belong to a single object.
 const SMALL_HULL: f64 = 0.25;
 
-/// A registration that raises the mean difference to more than this multiple does harm; interpolation alone changes it by less.
+/// A registration that raises the mean difference above this multiple does harm; interpolation alone changes it by less.
 const HARMFUL: f64 = 1.05;
 
 /// Frames registered in the coordinates of frame t.
@@ -264,7 +264,7 @@ fn draw_outline((width, height): (usize, usize), matrix: &Matrix3, scene: &mut S
     let [right, bottom] = [(width - 1) as f64, (height - 1) as f64];
     let corners = [[0.0, 0.0], [right, 0.0], [right, bottom], [0.0, bottom]];
     let Some(moved) = corners.iter().map(|corner| mapped(matrix, *corner)).collect::<Option<Vec<_>>>() else { return };
-    // Far beyond the picture there is nothing to see.
+    // Far outside the picture there is nothing to see.
     let reach = 4.0 * right.max(bottom);
     if moved.iter().flatten().all(|c| c.abs() < reach) {
         let points = moved.into_iter().map(|at| at.map(|c| c as f32)).collect();

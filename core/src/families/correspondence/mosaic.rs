@@ -1,4 +1,4 @@
-//! A mosaic of a panning shot: all frames registered in the coordinates of the middle one.
+//! A mosaic of a panning shot: all frames, registered in the coordinates of the middle one.
 
 mod explain;
 
@@ -39,7 +39,7 @@ pub struct State {
 }
 
 impl State {
-    /// The frame in whose coordinates the mosaic is, as an index of the run.
+    /// Index of the frame in whose coordinates the mosaic is.
     fn reference(&self) -> usize {
         (self.chain.to_frames.len() - 1) / 2
     }

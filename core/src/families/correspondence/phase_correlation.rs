@@ -224,9 +224,10 @@ impl PhaseCorrelation {
     fn least_sigmas(&self, kept: usize) -> f64 {
         /// Share of the pairs.
         const FALSE_ALARMS: f64 = 0.01;
-        /// The Hann window correlates neighbouring frequencies, which raises the correlation near displacement 0 by this factor.
+        /// The Hann window correlates neighbouring frequencies, which raises the correlation near displacement 0 by
+        /// this factor.
         const OF_HANN: f64 = 1.65;
-        /// A peak of this height is one whatever the number of frequencies.
+        /// A peak of this height is significant whatever the number of frequencies.
         const MOST: f64 = 0.9;
         let count = kept.max(1) as f64;
         let highest = (2.0 * (0.5 * count / FALSE_ALARMS).ln()).sqrt();

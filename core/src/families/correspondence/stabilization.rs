@@ -166,7 +166,7 @@ impl Estimator for Stabilization {
 impl Footprint<State> for Stabilization {
     fn need(&self, clip: &Clip) -> Need {
         let Need { run, .. } = self.motion.need(clip);
-        // A step shows a frame and the stabilised one.
+        // A step shows a frame and its stabilised version.
         Need::per_pixel(clip, [4.0, 16.0]).and([run as f64; 2])
     }
 

@@ -364,7 +364,7 @@ impl TemplateMatching {
         }
     }
 
-    /// The offset of `point` from where the first template fits best, within a few px of it.
+    /// The offset of `point` from the best match of the first template within a few px of it.
     fn drift(&self, state: &State, pair: &Pair, point: [f32; 2]) -> Drift {
         let (first, size) = (&state.first, state.first.pixels.size());
         let near = TemplateMatching { search_range: DRIFT_PX as usize, ..self.clone() };
@@ -377,7 +377,7 @@ impl TemplateMatching {
         let best = all.min_by(|a, b| costs[*a].total_cmp(&costs[*b])).unwrap_or_default();
         let (fraction, _) = place::subpixel(&costs, best);
         let found = [origin[0] + best.0 as i32, origin[1] + best.1 as i32];
-        // The border of the picture ends the search too, but no template lies beyond it.
+        // The picture border ends the search, too, but no template lies beyond it.
         let is_at_least = (0..2).any(|i| (found[i] - corner[i]).abs() == DRIFT_PX);
         Drift { offset: [0, 1].map(|i| point[i] - (found[i] as f32 + fraction[i] + first.anchor[i])), is_at_least }
     }

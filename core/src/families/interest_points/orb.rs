@@ -527,5 +527,5 @@ impl Pointed<State> for Orb {
     }
 }
 
-/// A click this near is one on a keypoint, in px.
+/// A click within this distance selects a keypoint, in px.
 const NEAR: f32 = 8.0;

@@ -118,7 +118,7 @@ pub struct Region {
     pixels: Vec<u32>,
     /// Its mean displacement in px/frame.
     mean: [f64; 2],
-    /// Comparisons with a neighbour that was too different; a neighbour is compared from each side.
+    /// Comparisons with a neighbour that was too different; a neighbour is compared from either side.
     refused: usize,
 }
 
@@ -227,8 +227,8 @@ impl FlowSegmentation {
         }
     }
 
-    /// Grows regions from the pixels of none in the next row that has any. A row is one unit: with a small tolerance there are as many
-    /// regions as pixels.
+    /// Grows regions from unassigned pixels in the next row that has any. A row is one unit: with a small tolerance
+    /// there are as many regions as pixels.
     fn grow(&self, data: &Data, state: &mut State, observer: &mut impl Observer<Event>) {
         let free = |state: &State, from: usize| (from..state.taken.len()).find(|pixel| !state.taken[*pixel]);
         let Some(first) = free(state, state.next) else {

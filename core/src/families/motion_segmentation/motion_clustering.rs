@@ -142,7 +142,7 @@ pub enum Event {
     Compared(Arc<Vec<Trial>>, usize),
     /// A seed is drawn.
     Seeded(usize, Seed),
-    /// All points lie on these seeds.
+    /// All points coincide with these seeds.
     Exhausted(usize),
     /// The points are sampled for mean shift; the number of starts.
     Sampled(Arc<Density>),
@@ -205,7 +205,7 @@ impl MotionClustering {
         let flow = self.input.between(clip, state.record.frame(), threads)?;
         let data = Arc::new(self.data(flow));
         observer.see(|| Event::Flow(Arc::clone(&data)));
-        // No cluster yet: the first assignment changes all.
+        // No cluster yet: the first assignment changes all labels.
         state.nearest = Arc::new(vec![u8::MAX; data.points.len()]);
         match self.method {
             Method::KMeans | Method::GaussianMixture => self.seed((&data, threads), state, observer),

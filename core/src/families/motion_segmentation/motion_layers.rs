@@ -271,7 +271,7 @@ impl MotionLayers {
         }
     }
 
-    /// Gives every pixel of known flow a layer, and goes on to the next frame.
+    /// Assigns a layer to every pixel of known flow, and goes on to the next frame.
     fn label(&self, flow: &Arc<Flow>, threads: &Threads, state: &mut State, observer: &mut impl Observer<Event>) {
         let frame = Frame::of(flow.0.size());
         let motions: Vec<Place> = state.layers.iter().map(|layer| layer.motion).collect();
@@ -283,7 +283,7 @@ impl MotionLayers {
     }
 }
 
-/// The motions of the blocks that are hypotheses; of all blocks where none is.
+/// The motions of the blocks that are hypotheses, or of all blocks if there are none.
 fn hypotheses(blocks: &[Block]) -> Vec<Place> {
     let has_any = blocks.iter().any(|block| block.is_kept);
     blocks.iter().filter(|block| block.is_kept || !has_any).map(|block| block.motion).collect()

@@ -65,13 +65,14 @@ params! {
 const INTERVAL: usize = 5;
 /// Eigenvalue above which its vector may separate a group from the others.
 const LEAST_EIGENVALUE: f64 = 0.3;
-/// Eigenvalues that are found: two more than there can be segments, for the gap after the last and because the last converges most slowly.
+/// Number of computed eigenvalues: two more than there can be segments, for the gap after the last and because the last
+/// converges most slowly.
 const EIGENVALUES: usize = 8;
 
 /// The trajectories that are compared.
 pub struct Compared {
     tracks: Vec<Arc<Track>>,
-    /// The others of at least three frames, which join the most alike.
+    /// The others of at least three frames, which join the most similar ones.
     others: Vec<Arc<Track>>,
     /// The index of the nearest trajectory of each pixel in the first frame, once a step shows it; `u32::MAX` without any.
     nearest: OnceLock<Grid<u32>>,
@@ -206,7 +207,7 @@ impl TrajectoryClustering {
     /// The segment of each trajectory, compared ones first, and the number of segments sought.
     fn cluster(&self, compared: &Compared, spectrum: &Spectrum) -> (Vec<u32>, usize) {
         let count = match self.selection {
-            // An eigenvalue far below 1 stands for no group of its own.
+            // An eigenvalue far below 1 belongs to no group of its own.
             Choice::Given => {
                 self.clusters.min(spectrum.values.iter().filter(|value| **value > LEAST_EIGENVALUE).count()).max(1)
             }
@@ -381,11 +382,11 @@ impl Estimator for TrajectoryClustering {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        self.explain_step(seen)
+        self.explanation(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.draw_marks(seen, scene);
+        self.draw_step(seen, scene);
     }
 
     fn output(&self, state: &State) -> Output {

@@ -1,4 +1,4 @@
-//! Motion-compensated difference: the previous frame, warped by the motion of the camera, is the background.
+//! Motion-compensated difference: the previous frame, warped by the camera motion, is the background.
 
 use std::sync::{Arc, OnceLock};
 

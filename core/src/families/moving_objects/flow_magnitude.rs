@@ -39,7 +39,8 @@ pub struct Model {
 struct FramePair {
     /// The flow from the frame back to the previous one; unknown flow counts as zero.
     back: Flow,
-    /// The mean absolute residuals over the window around each pixel in gray levels: without and with motion compensation.
+    /// The mean absolute residuals over the window around each pixel in gray levels: without and with motion
+    /// compensation.
     at_rest: Grid<f32>,
     moved: Grid<f32>,
 }
@@ -149,7 +150,7 @@ impl Background for FlowMagnitude {
         Setup { settings: self.settings, initial: None, steady: None }
     }
 
-    /// The flow leads from a frame back to the one before.
+    /// The flow leads from a frame to the previous one.
     fn stage_view(&self, clip: &Clip, now: usize) -> Result<Option<StageView>, Error> {
         clip.reversed(now.saturating_sub(1)).map(|clip| Some(StageView { clip, set: Vec::new() }))
     }

@@ -42,7 +42,7 @@ params! {
 
 /// The maximum number of samples of a set.
 const MOST: usize = 7;
-/// The weights of all values since the samples of a set, which the sets together cover: 30 %, 60 % and 90 % of the past.
+/// The weights of all values since the samples of a set were taken, which the sets together cover: 30 %, 60 % and 90 % of the past.
 const LEFT: [f64; 3] = [0.7, 0.4, 0.1];
 
 /// A sample of a pixel.
@@ -241,7 +241,7 @@ impl Background for KnnBackground {
 
     fn expected(&self, model: &Samples, place: (usize, usize)) -> f32 {
         let sets = &model.sets[place];
-        // The median of the gray levels is that of a typical sample.
+        // The median of the gray levels is a typical sample's.
         let mut values: Vec<f32> = self
             .used(sets)
             .filter(|sample| sample.is_background)

@@ -165,8 +165,8 @@ impl Clg {
         warp.system.tensor.get_or_init(|| MotionTensor::new(&warp.linear, self.rho, &Threads::single()))
     }
 
-    /// Tells which term decides about the update, and writes the normal equations in symbols and numbers; after warping, c_x and
-    /// c_y replace T_xt and T_yt.
+    /// Tells which term dominates the update, and writes the normal equations in symbols and numbers; after warping,
+    /// c_x and c_y replace T_xt and T_yt.
     fn tell_update(&self, step: Step, is_warped: bool, [xx, _, yy, xt, yt, _]: [f32; 6]) -> Step {
         let (weight, trace) = (self.alpha * self.alpha, xx + yy);
         let step = step.put(variational::ALPHA_SQUARED, weight).put(value::TRACE, trace).put(value::RHO, self.rho);

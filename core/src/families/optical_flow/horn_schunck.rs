@@ -195,7 +195,7 @@ impl Update {
         Self { mean, off, weight, to: [mean[0] - a * off / weight, mean[1] - b * off / weight] }
     }
 
-    /// Tells which term decides about the update, and writes it in symbols and with the numbers of the pixel.
+    /// Tells which term dominates the update, and writes it in symbols and with the numbers of the pixel.
     fn tell(&self, model: &HornSchunck, probe: &Probe<HornSchunck>, step: Step) -> Step {
         let [a, b, _] = probe.factors();
         let (squared, violation) = (a * a + b * b, value::VIOLATION.is(self.off.abs()));
@@ -227,7 +227,7 @@ impl Update {
             .formula(r"= {neighbourhood_mean:2} - {i_y} \cdot \frac{{residual}}{{weight}} = {update:2}")
     }
 
-    /// Puts the parts of the update with the fewest decimals with which they give it.
+    /// Puts the parts of the update with the fewest decimals that reproduce it.
     fn put(&self, probe: &Probe<HornSchunck>, step: Step) -> Step {
         let ([a, b, _], result) = (probe.factors(), |update: [f64; 2]| variational::UPDATE.is(update).bare());
         let written = |further: usize| {

@@ -172,7 +172,7 @@ impl Note {
             apart: mean(&Moved::apart),
             errors: [
                 mean(&|moved| Some(distance(moved.to()?, moved.truth?))),
-                // Of the same points.
+                // Over the same points.
                 mean(&|moved| moved.to().and(Some(distance(moved.twin_to()?, moved.truth?)))),
             ],
         }

@@ -105,7 +105,7 @@ struct Fixed {
     /// Points per unit: one, or a row of pixels.
     group: usize,
     truth: Option<Arc<Flow>>,
-    /// The frames, and their levels as pictures, made on demand.
+    /// The frames, and their levels as pictures, computed on demand.
     pair: [Arc<Frame>; 2],
     pictures: OnceLock<Arc<[crate::scene::Level]>>,
 }

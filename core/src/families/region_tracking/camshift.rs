@@ -60,7 +60,8 @@ pub struct Model {
     histogram: Histogram,
     /// The share of each bin relative to the fullest, 0 to 1; with the surroundings weighted if that is chosen.
     projection: Vec<f32>,
-    /// The share of the pixels with a hue of the object, in its box and around it, that lie in the object, weighted by the histogram.
+    /// The share of the pixels with a hue of the object, in its box and around it, that lie in the object, weighted by
+    /// the histogram.
     own: f32,
     /// The search window: the box of the last region.
     window: Bounds,
@@ -280,7 +281,7 @@ impl RegionModel for Camshift {
         let binning = self.binning(frame);
         let (mut bins, mut counts) = (Bins::new(frame, binning), vec![0.0; binning.count()]);
         bins.cover(region.bounds());
-        // Not of the whole box: the corners beside a round object are background, whose hue would spread the window over all of it.
+        // Not the whole box: the corners beside a round object are background, whose hue would spread the window over all of it.
         ellipse_rows(&bins, region, |row, _, _| {
             for bin in row {
                 if let Some(count) = counts.get_mut(usize::from(*bin)) {

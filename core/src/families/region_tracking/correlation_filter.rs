@@ -1,4 +1,4 @@
-//! The correlation filter MOSSE: learned to answer with a peak at the object, and updated in every frame.
+//! The correlation filter MOSSE: trained to respond with a peak at the object, and updated in every frame.
 
 mod appearance;
 mod explain;
@@ -303,7 +303,7 @@ fn displacement(values: &Grid<f32>, (x, y): (usize, usize)) -> [f32; 2] {
 }
 
 impl CorrelationFilter {
-    /// Whether the region holds its surroundings, where losses are asked for at all.
+    /// Whether the region shows its surroundings, if losses are detected at all.
     fn is_gone(&self, evidence: &Evidence) -> bool {
         self.min_psr > 0.0 && evidence.is_gone()
     }
@@ -418,7 +418,7 @@ impl RegionModel for CorrelationFilter {
             let patch = self.perturbed(&model, luma, region.center, index);
             model.add(&model.spectrum(&patch), 1.0, 1.0);
         }
-        // A mean, as the running average of later frames is one.
+        // A mean, like the running average of later frames.
         let share = Lanes::all(1.0 / (self.perturbations + 1) as f32);
         Arc::make_mut(&mut model.numerator).iter_mut().for_each(|a| *a = *a * share);
         Arc::make_mut(&mut model.energy).iter_mut().for_each(|b| *b = *b * share);

@@ -174,12 +174,12 @@ impl GreedyContour {
     ) -> (usize, Terms) {
         let (count, mut terms) = (curve.points.len(), Vec::new());
         let (mut moved, mut sums) = (0, Terms::default());
-        // The first point comes again as the last, so that no point is special.
+        // The first point is repeated as the last, so that no point is special.
         for (visit, index) in (0..count).chain([0]).enumerate() {
             let site = curve.site(index);
             let best = self.test(curve.edges, &site, &mut terms);
             observer.see(|| Event::Tested(Test { iteration, index, edges: Arc::clone(edges), site, best }));
-            // Its energy counts once, where it comes to rest.
+            // The energy of the first point counts once, at its final place.
             if visit > 0 {
                 sums.add(&self.weighted(terms[best].unwrap_or_default(), site.is_corner));
             }

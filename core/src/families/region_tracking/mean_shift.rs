@@ -1,4 +1,4 @@
-//! Mean shift: an ellipse climbs to the place where its colour histogram is most like that of the object.
+//! Mean shift: an ellipse climbs to the place where its colour histogram is most similar to the object's.
 
 mod explain;
 mod vocabulary;
@@ -50,7 +50,7 @@ params! {
 
 /// Change of the size in a trial, as a share.
 const SCALE_STEP: f32 = 0.1;
-/// The part of the way to the best size that is taken.
+/// The share of the way to the best size by which the size changes.
 const SCALE_RATE: f32 = 0.1;
 /// An ellipse is not smaller than this, in px.
 const LEAST_PX: f32 = 4.0;
@@ -188,7 +188,7 @@ impl MeanShift {
         }
         let mut climb = |trial, factor| self.climb(&mut search, (frame, trial), region.scaled(factor), observer);
         let trials = [now, climb(1, 1.0 - SCALE_STEP), climb(2, 1.0 + SCALE_STEP)];
-        // The present size where none is better.
+        // The present size if none is better.
         let best = (1..3).fold(0, |best, i| if trials[i].similarity > trials[best].similarity { i } else { best });
         let size = [0, 1].map(|i| {
             let most = [frame.size().0, frame.size().1][i] as f32;

@@ -151,13 +151,13 @@ impl ParticleFilter {
         let mut meter = model.likelihood.meter(&bins);
         let mut coefficients = vec![f32::NEG_INFINITY; particles.len()];
         for pair in inside.chunks(2) {
-            // The last one of an odd number is beside itself.
+            // The last one of an odd number is paired with itself.
             let both = [pair[0], pair[pair.len() - 1]];
             let found = meter.coefficients(both.map(region));
             both.into_iter().zip(found).for_each(|(i, coefficient)| coefficients[i] = coefficient);
         }
         let outside = particles.len() - inside.len();
-        // Relative to the best: the common factor goes with the normalisation, and no large λ makes all of them underflow to 0.
+        // Relative to the best one: normalisation cancels the common factor, and no large λ makes all of them underflow to 0.
         let best = coefficients.iter().copied().fold(f32::NEG_INFINITY, f32::max);
         for (particle, coefficient) in particles.iter_mut().zip(&coefficients) {
             let is_inside = coefficient.is_finite();

@@ -85,7 +85,7 @@ params! {
 /// The smallest share of a template inside the frame; below it the object has left.
 const LEAST_OVERLAP: f64 = 0.5;
 /// The largest factor by which lengths may change from frame to frame, and its inverse the smallest; also that between two directions.
-/// Beyond it the alignment has failed, whatever the correlation is: that of a template shrunk to a line is high on any edge.
+/// Beyond it the alignment has failed, whatever the correlation: a template shrunk to a line correlates well with any edge.
 const MOST_STRETCH: f64 = 2.0;
 
 /// The frames of a loss in which that factor widens.
@@ -96,7 +96,7 @@ const MOST_WIDENED: usize = 2;
 struct Stretch {
     largest: f64,
     smallest: f64,
-    /// The largest that may be, and the inverse of the smallest: it grows with the frames since then.
+    /// The largest allowed factor, and the inverse of the smallest: it grows with the number of frames since then.
     most: f64,
 }
 
@@ -106,12 +106,12 @@ impl Stretch {
         Self { largest, smallest, most: MOST_STRETCH.powf(lost_frames.min(MOST_WIDENED) as f64 + 1.0) }
     }
 
-    /// Whether lengths change more than an object does in the frames since then.
+    /// Whether lengths change more than an object does within the frames since then.
     fn is_beyond(&self) -> bool {
         !(self.largest <= self.most && self.smallest >= 1.0 / self.most)
     }
 
-    /// Whether the factors are those of no motion: an object may grow while it is lost, but does not become a line.
+    /// Whether the factors are impossible: an object may grow while it is lost, but does not become a line.
     fn is_collapsed(&self) -> bool {
         self.is_beyond() || self.largest > MOST_STRETCH * self.smallest
     }
@@ -128,7 +128,7 @@ pub struct Model {
     extent: [f32; 2],
     /// The warp from the template, about its middle, to the last frame that showed the object.
     warp: Matrix3,
-    /// Frames since then, in which the object was lost.
+    /// Number of frames since then, in which the object was lost.
     lost_frames: usize,
 }
 
@@ -203,9 +203,9 @@ enum Cause {
 pub struct Correction {
     frame: Arc<Pyramid>,
     first: Arc<Template>,
-    /// The warp of the template, and that of the first one from there on.
+    /// The warp of the template, and the warp of the first template aligned from it.
     warps: [Matrix3; 2],
-    /// Farthest motion of a corner from one to the other in px.
+    /// Largest distance of a corner between both in px.
     px: f64,
     is_accepted: bool,
 }
@@ -319,7 +319,7 @@ impl TemplateTracker {
         Judged { frame, template, warp, correlation, overlap, stretch, loss }
     }
 
-    /// Aligns the first template from `warp` on, at full resolution, which drift does not leave.
+    /// Aligns the first template from `warp` on at full resolution, which drift does not leave.
     fn correct(
         &self,
         (frame, first): (&Arc<Pyramid>, &Arc<Template>),

@@ -164,7 +164,7 @@ impl SceneFlow {
         }
     }
 
-    /// Performs the next part.
+    /// The standard deviation expected of the errors: that of the noise, if it is known.
     fn work(
         &self,
         (clip, threads): (&Clip, &Threads),
@@ -296,7 +296,7 @@ impl SceneFlow {
     fn find_own(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<(), Error> {
         let field = self.field(state);
         if field.ego.is_none() {
-            // Without the motion of the cameras no pixel can be judged.
+            // Without the camera motion no pixel can be judged.
             observer.see(|| Event::NoEgo);
             return Ok(());
         }
@@ -352,7 +352,7 @@ fn unknown() -> Error {
     Error::new("the true disparities and flow of this pair of frames are not known; set source to estimated")
 }
 
-/// Largest difference in px of the disparities around a place between which one is interpolated: beyond it lies a depth edge.
+/// Largest difference of the disparities around a place, in px, between which one is interpolated; beyond it there is a depth edge.
 const SMOOTH_PX: f32 = 1.0;
 
 /// The disparity at a place between pixels: bilinear, or at a depth edge that of the nearest pixel.
@@ -487,11 +487,11 @@ impl Estimator for SceneFlow {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        self.explain_step(seen)
+        self.explanation(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.draw_marks(seen, scene);
+        self.draw_step(seen, scene);
     }
 
     fn output(&self, state: &State) -> Output {

@@ -405,11 +405,11 @@ impl Estimator for SemiGlobalMatching {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        self.explain_step(seen)
+        self.explanation(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.draw_marks(seen, scene);
+        self.draw_step(seen, scene);
     }
 
     fn output(&self, state: &State) -> Output {

@@ -245,7 +245,7 @@ impl BlobTracker {
             && member.age.status != TrackStatus::Tentative
             && member.size.hidden_frames < self.rules.max_age;
         let bounds = is_possible.then(|| member.size.completed(&blob.detection.bounds, &member.bounds, picture))??;
-        // The centroid stays where it was in the box.
+        // The centroid keeps its place in the box.
         let (own, whole) = (member.bounds.center(), bounds.center());
         let center = [0, 1].map(|i| whole[i] + (member.center[i] as f32 - own[i]));
         Some(Blob { detection: Detection { bounds, center, ..blob.detection }, is_completed: true, ..*blob })
@@ -257,7 +257,7 @@ impl BlobTracker {
         let before = before.filter(|tracked| tracked.members.iter().all(|member| member.age.missed == 0));
         let mut centers = before.map_or(Vec::new(), |tracked| tracked.centers.clone());
         centers.push(blob.center());
-        // A displacement takes two frames.
+        // A displacement needs two frames.
         let surplus = centers.len().saturating_sub(self.velocity_frames + 1);
         centers.drain(..surplus);
         let rules = self.rules;
@@ -499,10 +499,10 @@ impl MultiTracker for BlobTracker {
     }
 
     fn step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
-        self.explain_step(seen)
+        self.explanation(seen)
     }
 
     fn draw(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
-        self.draw_marks(seen, scene);
+        self.draw_step(seen, scene);
     }
 }

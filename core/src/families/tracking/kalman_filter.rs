@@ -569,11 +569,11 @@ impl Estimator for KalmanFilter {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        self.explain_step(seen)
+        self.explanation(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.draw_marks(seen, scene);
+        self.draw_step(seen, scene);
     }
 
     fn output(&self, state: &State) -> Output {
@@ -603,7 +603,7 @@ impl Footprint<State> for KalmanFilter {
     }
 
     fn state_bytes(&self, state: &State) -> usize {
-        // Earlier frames are shared with the states before; smoothed and restarted ones are copies.
+        // Earlier frames are shared with earlier states; smoothed and restarted ones are copied.
         let copies = state.back.unwrap_or(0).max(state.fresh);
         let copies = state.records.iter().rev().take(copies).map(|record| record.own_bytes());
         let last = state.records.last().map_or(0, |record| record.bytes());

@@ -305,11 +305,11 @@ impl MultiTracker for KalmanTracker {
     }
 
     fn step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
-        self.explain_step(seen)
+        self.explanation(seen)
     }
 
     fn draw(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
-        self.draw_marks(seen, scene);
+        self.draw_step(seen, scene);
     }
 }
 

@@ -34,8 +34,8 @@ use forest::{Cluster, Hypothesis, Scan, Track};
 use tree::Tree;
 use vocabulary::case;
 
-/// Noise as the boxes of detectors of persons have it, which lie within 0.04 heights of the true ones (standard deviation): hypotheses are
-/// weighed by their densities, where a gate only has to be wide enough.
+/// The noise of boxes of person detectors, which deviate from the true ones by 0.04 heights (standard deviation):
+/// hypotheses are weighed by their densities, whereas a gate only has to be wide enough.
 const MEASUREMENT_NOISE: f32 = 0.05;
 const PROCESS_NOISE: f32 = 0.004;
 
@@ -228,11 +228,11 @@ impl MultiTracker for MultipleHypothesis {
     }
 
     fn step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
-        self.explain_step(seen)
+        self.explanation(seen)
     }
 
     fn draw(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
-        self.draw_marks(seen, scene);
+        self.draw_step(seen, scene);
     }
 }
 

@@ -123,7 +123,7 @@ impl TrajectoryAnalysis {
     fn follow(&self, state: &mut State, id: u32, observer: &mut impl Observer<Event>) -> Vec<DirectionSample> {
         let (first, frames) = (state.span.first, &state.frames);
         let place = state.trajectories.binary_search_by_key(&id, |trajectory| trajectory.id);
-        // Taken out, so that it is not copied unless it is shared.
+        // Taken out, so that it is copied only if it is shared.
         let mut trajectory = match place {
             Ok(i) => std::mem::take(&mut state.trajectories[i]),
             Err(_) => Arc::new(Trajectory { id, ..Trajectory::default() }),
@@ -269,11 +269,11 @@ impl Estimator for TrajectoryAnalysis {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        self.explain_step(seen)
+        self.explanation(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.draw_marks(seen, scene);
+        self.draw_step(seen, scene);
     }
 
     fn output(&self, state: &State) -> Output {

@@ -4,7 +4,7 @@ use crate::geometry::Grid;
 use crate::products::Model;
 use crate::products::model::{IDENTITY, Matrix3, product};
 
-/// Coordinates from the middle of a picture in halves of its longer side: in them all parameters have similar size.
+/// Coordinates relative to the middle of a picture, in halves of its longer side, which give all parameters a similar size.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Normalized {
     middle: [f64; 2],
@@ -24,7 +24,7 @@ impl Normalized {
         [(x as f64 - self.middle[0]) / self.scale, (y as f64 - self.middle[1]) / self.scale]
     }
 
-    /// A warp in these coordinates as one of pixels.
+    /// A warp in these coordinates as a warp of pixels.
     pub(crate) fn in_px(&self, matrix: &Matrix3) -> Matrix3 {
         let ([x, y], s) = (self.middle, self.scale);
         let to = [[1.0 / s, 0.0, -x / s], [0.0, 1.0 / s, -y / s], [0.0, 0.0, 1.0]];
@@ -114,7 +114,8 @@ fn inverse(m: &Matrix3) -> Option<Matrix3> {
 /// A pivot below this share of its diagonal entry is rounding.
 const SINGULAR: f64 = 1e-9;
 
-/// The rank of a symmetric positive semi-definite matrix of `count` rows: the parameters that it determines, each together with those before it.
+/// The rank of a symmetric positive semi-definite matrix of `count` rows: the parameters that it determines together
+/// with the earlier ones.
 pub(crate) fn rank(matrix: &[f64], count: usize) -> usize {
     let (mut root, mut rank) = (vec![0.0; count * count], 0);
     for j in 0..count {
@@ -123,7 +124,7 @@ pub(crate) fn rank(matrix: &[f64], count: usize) -> usize {
             matrix[i * count + j] - known
         };
         let pivot = rest(j, &root);
-        // A column without a pivot adds nothing to those before.
+        // A column without a pivot adds nothing to the earlier ones.
         if pivot > SINGULAR * matrix[j * count + j] && pivot.is_finite() {
             for i in j..count {
                 root[i * count + j] = rest(i, &root) / pivot.sqrt();

@@ -10,13 +10,13 @@ use crate::methods::cost::bounds::Parts;
 use crate::products::{metrics, predict};
 use crate::scene::{Case, Number, Step};
 
-/// A match is called poor from this mean (or root-mean-square) difference on, in gray levels per pixel.
+/// A match is called poor from this mean (or root-mean-square) difference, in gray levels per pixel.
 const POOR_MATCH: f64 = 10.0;
 /// Other minima are called nearly as low up to this mean difference above the match, in gray levels per pixel.
 const COMPETING_LEVELS: f64 = 0.5;
-/// The same as a share of the cost of the match; the smaller of both decides.
+/// The same as a share of the cost of the match; the smaller of both counts.
 const COMPETING_SHARE: f64 = 0.05;
-/// The most displacements beside the match that a displacement between pixels explains.
+/// Displacements next to the match that a displacement between pixels explains.
 const BESIDE: usize = 3;
 /// The minimum of a parabola.
 const FITTED: &str = concat!(
@@ -31,9 +31,9 @@ pub(crate) fn percent(part: usize, all: usize) -> f64 {
 
 /// Tells the decision of a search, and which candidates of its pattern are skipped.
 fn tell_stage(mut step: Step, stage: &Stage) -> Step {
-    let (new, asked, told) = (stage.points.len(), stage.asked, Step::clone(&stage.told));
-    step.values.extend(told.values);
-    let step = step.tell(told.sentence).put(value::ASKED, asked).put(value::NEW, new);
+    let (new, asked, reason) = (stage.points.len(), stage.asked, Step::clone(&stage.reason));
+    step.values.extend(reason.values);
+    let step = step.tell(reason.sentence).put(value::ASKED, asked).put(value::NEW, new);
     match (new, asked) {
         (new, asked) if new == asked => step,
         (0, 1) => step.say(case::COST_KNOWN),
@@ -54,7 +54,7 @@ impl Probe<'_> {
         let at = |line| Step { line, ..self.facts(lead) };
         let step = match last {
             Event::Window => self.window_placed(at(line::LAY_WINDOW)),
-            Event::Stage(stage) | Event::Refine(stage) => self.add_cost(tell_stage(at(stage.told.line), stage)),
+            Event::Stage(stage) | Event::Refine(stage) => self.add_cost(tell_stage(at(stage.reason.line), stage)),
             Event::Fit(fit) => self.tell_fit(at(line::REFINE_BEST), fit),
             Event::Skipped(skipped) => self.tell_skipped(at(line::SKIP_CANDIDATE), skipped),
             Event::Candidate { rows, .. } if *rows < self.block().height => {
@@ -96,7 +96,7 @@ impl Probe<'_> {
         }
     }
 
-    /// Tells why the candidate tested last is the new best.
+    /// Tells why the last candidate is the new best.
     fn tell_improvement(&self, step: Step, before: Option<Match>) -> Step {
         let (Some(before), Some(best)) = (before, self.best()) else { return step.say(case::NEW_AS_FIRST) };
         let cost = self.settings.cost(value::COST_BEFORE, before.cost);
@@ -131,7 +131,7 @@ impl Probe<'_> {
         })
     }
 
-    /// The result of a block, how good it is, and after the last block how good the whole field is.
+    /// The result of a block and its quality, and after the last block the quality of the whole field.
     fn result(&self, step: Step, found: Match) -> Step {
         let (tested, skipped, candidates) = (self.tested(), self.skipped_here(), self.window.count());
         let mut step = step.say(case::FOUND);
@@ -142,7 +142,7 @@ impl Probe<'_> {
         let is_full = self.whole_tested() + skipped == candidates || self.counted.level.is_some();
         let step = step.say(case::MINIMUM_OF).say_if(tested > self.whole_tested(), case::SOME_BETWEEN);
         let step = step.say_if(!is_full, case::FULL_SEARCH).say(case::END);
-        // Where candidates were rejected early, some rows were not summed.
+        // If candidates were rejected early, some rows were not summed.
         let (summed, all): (usize, _) = (self.candidates().map(|(_, rows)| rows).sum(), tested * self.block().height);
         let step = step.put(value::SUMMED, summed).put(value::ALL_ROWS, all);
         let step = step.put(value::SHARE_SUMMED, percent(summed, all)).say_if(summed < all, case::SUMMED);
@@ -150,7 +150,7 @@ impl Probe<'_> {
         self.conclusion(self.true_motion(step, found), found)
     }
 
-    /// The match where it was tested: a parabola moves it afterwards.
+    /// The match at its tested position: a parabola moves it afterwards.
     pub(super) fn as_tested(&self, found: Match) -> Match {
         let is_fitted = self.settings.refinement.subpixel == Subpixel::Parabola;
         Match { fraction: if is_fitted { [0.0; 2] } else { found.fraction }, ..found }
@@ -190,17 +190,16 @@ impl Probe<'_> {
         let cost = |other: &Match| self.settings.cost(value::LEAST_COST, other.cost).bare();
         let named = |other: &Match| format!("{} at {}", cost(other), value::LEAST.is(other.vector()).bare());
         let step = step.put(value::OTHER_MINIMA, others.iter().map(named).collect::<Number>());
-        let told = match is_least {
+        let reason = match is_least {
             true if self.tested() > self.whole_tested() => case::MINIMA_BESIDE_WHOLE,
             true => case::MINIMA,
             // Only between pixels.
             false => case::LOWER_MINIMA,
         };
-        self.ambiguous(step, found, told)
+        self.ambiguous(step, found, reason)
     }
 
-    /// The quality of a match without a competing one; `is_least` says whether its whole displacement has the global
-    /// minimum.
+    /// The quality of a match without a competing one; `is_least` says whether its whole displacement has the global minimum.
     fn alone(&self, step: Step, found: Match, is_least: bool) -> Step {
         if self.is_at_limit(found) {
             return step.say(case::AT_LIMIT);
@@ -217,14 +216,14 @@ impl Probe<'_> {
         self.mean(step, found, case::END)
     }
 
-    /// A lower cost was left out: where it is, and why it was not tested.
+    /// A lower cost was missed: its place, and why it was not tested.
     fn tell_miss(&self, step: Step, found: Match, surface: &WholeWindow) -> Step {
         let least = surface.least;
         let cost = self.settings.cost(value::LEAST_COST, least.cost);
         let step = step.put(value::LEAST, least.vector()).put_value(cost);
         let step = match (self.is_refinement, self.true_error(found)) {
             (false, _) => step.say(case::MISSED),
-            // The coarser level is to blame where a test would have helped: the true displacement costs less than the match.
+            // The coarser level is the cause if a test would have helped: the true displacement costs less than the match.
             (true, Some((truth, off))) => step
                 .say(case::MISSED_BY_REFINEMENT)
                 .say_if(off >= CLOSE_PX && self.costs_less(truth, found, surface), case::LED_ELSEWHERE),
@@ -233,12 +232,12 @@ impl Probe<'_> {
         self.mean(step, found, case::END)
     }
 
-    /// Other displacements cost as much as the match.
+    /// Other displacements have the same cost as the match.
     fn tell_ties(&self, step: Step, found: Match, ties: &[Match]) -> Step {
         if ties.len() + 1 == self.window.count() {
             return step.say(case::ALL_ALIKE);
         }
-        // Between two pixels both whole displacements cost alike, and more than nothing; that is no ambiguity of the texture.
+        // Between two pixels both whole displacements cost the same, and more than nothing; that is no ambiguity of the texture.
         let is_beside = |other: &Match| (0..2).all(|i| (other.displacement[i] - found.displacement[i]).abs() <= 1);
         let may_lie_between = found.cost > 0.0
             && self.settings.refinement.subpixel == Subpixel::None
@@ -253,7 +252,7 @@ impl Probe<'_> {
         }
     }
 
-    /// Whether the match lies at the limit of the search range, which may be the cause where the truth is not known.
+    /// Whether the match lies at the limit of the search range, which may be the cause if the truth is not known.
     fn is_at_limit(&self, found: Match) -> bool {
         let range = self.settings.matching.search_range as u32;
         let is_at_limit = found.displacement.iter().any(|c| c.unsigned_abs() == range);
@@ -283,7 +282,7 @@ impl Probe<'_> {
         step.say(if is_squared { case::ROOT_MEAN_SQUARE } else { case::MEAN_DIFFERENCE }).say(end)
     }
 
-    /// After the last block of a picture: the quality of the motion-compensated prediction, and its worst block.
+    /// After the last block of a picture: the quality of the motion-compensated prediction, and the worst block.
     fn conclusion(&self, step: Step, found: Match) -> Step {
         let blocks = &self.pair.blocks;
         if self.index + 1 < blocks.len() || self.counted.level.unwrap_or(0) > 0 {

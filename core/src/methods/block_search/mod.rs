@@ -1,4 +1,4 @@
-//! The parts that all block searches share: frames and blocks, search window, events, explanations and marks.
+//! Parts shared by all block searches: frames and blocks, search window, events, explanations and marks.
 //!
 //! A block search is its pattern: [`BlockSearch::search`] states which displacements a [`Tester`] tests, as in the paper. The
 //! tester enforces the search window, tests no candidate twice, keeps the minimum, counts, reports events, and refines the
@@ -213,7 +213,7 @@ pub enum Event {
         /// The best before, if there was one.
         before: Option<Match>,
     },
-    /// The motion vector of the block is known.
+    /// The motion vector of the block was found.
     Found(Match),
 }
 
@@ -244,7 +244,7 @@ pub struct Skipped {
     pub side: usize,
 }
 
-/// A decision of a search: the candidates that it tests next, and why these.
+/// A decision of a search: the candidates that it tests next, with the reason.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stage {
     /// The part of the window to which the search has narrowed down, if it does so.
@@ -253,8 +253,8 @@ pub struct Stage {
     pub asked: usize,
     /// The new candidates inside the search window, in px.
     pub points: Vec<[f32; 2]>,
-    /// Why, at its line of the pseudocode.
-    pub told: Box<Step>,
+    /// The reason, at its line of the pseudocode.
+    pub reason: Box<Step>,
 }
 
 impl Stage {

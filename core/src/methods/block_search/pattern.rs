@@ -16,7 +16,7 @@ impl Observer<Event> for Relay {
     }
 }
 
-/// Any block search, of which only the search pattern matters.
+/// A type-erased block search.
 trait AnySearch: Send + Sync {
     fn search(&self, tester: &mut Tester<'_, Relay>);
     fn within(&self, range: usize) -> Result<Pattern, Error>;
@@ -34,7 +34,7 @@ impl<S: BlockSearch> AnySearch for S {
     }
 }
 
-/// The search pattern of a block search, lent to the estimator whose stage it is.
+/// The search pattern of a block search, lent to the parent estimator.
 #[derive(Clone)]
 pub struct Pattern(Arc<dyn AnySearch>);
 

@@ -16,7 +16,7 @@ pub(crate) struct Probe<'a> {
     pub rate: Rate,
     /// Index of the block.
     pub index: usize,
-    /// How the blocks are counted in the histogram.
+    /// The way in which blocks are counted in the histogram.
     pub counted: Counted,
     /// The search window of the block.
     pub window: Window,
@@ -126,7 +126,7 @@ impl Probe<'_> {
         if !arrows.is_empty() {
             scene.draw(Picture::CURRENT, (Role::Result, "motion vector"), Shape::Arrows(arrows));
         }
-        // By itself, so that it is drawn even where arrows are thinned out.
+        // As an arrow of its own, so that it is drawn even if arrows are thinned out.
         if let Some(Event::Found(found)) = self.events.last() {
             let found = arrow(self.block(), found);
             scene.draw(Picture::CURRENT, (Role::Result, "motion vector"), Shape::Arrows(vec![found]));
@@ -165,7 +165,7 @@ impl Probe<'_> {
         }
     }
 
-    /// The candidate that the last event has skipped.
+    /// The candidate skipped by the last event.
     pub(super) fn passed_over(&self) -> Option<Displacement> {
         let Some(Event::Skipped(skipped)) = self.events.last() else { return None };
         Some(skipped.displacement)

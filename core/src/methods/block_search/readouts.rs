@@ -48,7 +48,7 @@ impl Probe<'_> {
         Grid::from_fn(width, height, cost)
     }
 
-    /// The costs of the candidates that the search has left out, at its end; those of levels are no misses.
+    /// The costs of the candidates that the search left out, at its end; candidates of levels are no misses.
     fn untested(&self, whole: &Grid<f32>) -> Option<Grid<f32>> {
         let costs = self.costs();
         let is_whole = costs.cells().iter().all(|cost| cost.is_finite());
@@ -61,7 +61,7 @@ impl Probe<'_> {
         between.map(|tested| BetweenPixels { at: tested.vector(), value: tested.cost as f32 }).collect()
     }
 
-    /// The unit of the cost; none where the price of the displacement is part of it.
+    /// The unit of the cost; none if it includes the rate of the displacement.
     fn unit(&self) -> &'static str {
         match self.settings.matching.cost {
             _ if self.settings.refinement.lambda != 0.0 => "",
@@ -221,7 +221,7 @@ impl Probe<'_> {
         self.add_rate(step, candidate)
     }
 
-    /// Adds a sum over the pixels, of which the first rows may be summed only.
+    /// Adds a sum over the pixels, possibly of the first rows only.
     fn sum_of(&self, step: Step, sum: Sum, next: &str, (a, b): (&Cut, &Cut)) -> Step {
         let (block, rows) = (self.block(), step.real(value::ROWS_SUMMED) as usize);
         let (pixels, count) = (block.width * block.height, block.width * rows);

@@ -7,7 +7,7 @@ use crate::params::Params;
 use crate::run::{Guarantee, Info};
 use crate::scene::{Question, Reply, Role};
 
-/// A search for the displacement of one block. All else that makes it an [`Estimator`](crate::run::Estimator) is the same for every one.
+/// A search for the displacement of one block. Everything else that makes it an [`Estimator`](crate::run::Estimator) is shared.
 pub trait BlockSearch: Params + HasSettings + Default + Clone + Send + Sync + 'static {
     /// Its declaration.
     const INFO: Info;
@@ -49,7 +49,7 @@ pub(crate) const QUESTIONS: &[Question] = &[
     Question::place("match", "Where is the best match of the block in frame t+1?", line::SET_DISPLACEMENT, Role::Best),
 ];
 
-/// The pseudocode of a search that tests displacements one by one: its own lines between those that all have.
+/// The pseudocode of a search that tests displacements one by one: its own lines between the shared ones.
 macro_rules! search_pseudocode {
     ($($name:ident: $text:literal),* $(,)?) => {
         $crate::pseudocode! {

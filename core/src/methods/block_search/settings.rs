@@ -50,7 +50,7 @@ impl Cost {
 
     /// The largest sum over `block` whose cost does not exceed `cost`.
     pub(crate) fn sum_within(self, cost: f64, block: Block) -> u32 {
-        /// More than a mean is off by rounding, less than one.
+        /// Larger than the rounding error of a mean, and smaller than one.
         const ROUNDING: f64 = 1e-6;
         match self {
             Cost::Mse => (cost * (block.width * block.height) as f64 + ROUNDING) as u32,
@@ -288,13 +288,13 @@ impl Settings {
     }
 }
 
-/// A struct with the parameters of a block search: every one that [`block_search_params!`] declares.
+/// A struct with the parameters of a block search: those declared by [`block_search_params!`].
 pub trait HasSettings {
     /// Their values.
     fn settings(&self) -> Settings;
 }
 
-/// Declares the parameters of a block search: its own between the common ones. `renamed` keeps earlier names of its own.
+/// Declares the parameters of a block search: its own between the shared ones. `renamed` keeps earlier names of its own.
 macro_rules! block_search_params {
     (
         $(#[$meta:meta])*

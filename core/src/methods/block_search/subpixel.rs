@@ -57,13 +57,13 @@ impl<O: Observer<Event>> Tester<'_, O> {
             let window = self.window;
             let points = all.clone().filter(move |&point| window.holds_quarters(point));
             self.observer.see(|| {
-                let told = Step::at(line::REFINE_BEST).put(value::CENTER, centre.map(|c| c as f32 / 4.0));
-                let told = told.say(if step == 2 { case::HALF_PIXELS } else { case::QUARTER_PIXELS });
+                let reason = Step::at(line::REFINE_BEST).put(value::CENTER, centre.map(|c| c as f32 / 4.0));
+                let reason = reason.say(if step == 2 { case::HALF_PIXELS } else { case::QUARTER_PIXELS });
                 Event::Refine(Stage {
                     narrowed: None,
                     asked: all.clone().count(),
                     points: points.clone().map(|point| point.map(|c| c as f32 / 4.0)).collect(),
-                    told: Box::new(told),
+                    reason: Box::new(reason),
                 })
             });
             points.for_each(|point| self.test_position(start, point));

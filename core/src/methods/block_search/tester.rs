@@ -101,7 +101,7 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
         self.best.map_or(f64::INFINITY, |best| self.rate.distortion(best))
     }
 
-    /// The lowest cost of a neighbour in this pair, for as many pixels as the block has: at the border it may be cut.
+    /// The lowest cost of a neighbour in this pair, scaled to the pixels of the block: at the border it may be cut.
     pub fn least_of_neighbours(&self) -> Option<f64> {
         let least = self.neighbours.spatial().map(|found| found.cost).min_by(f64::total_cmp)?;
         let whole = self.pair.blocks.size.pow(2) as f64;
@@ -125,22 +125,22 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
         self.window.index(displacement).is_some_and(|index| !is_set(&self.work.tested, index))
     }
 
-    /// Reports a decision without candidates: `told` is the reason, at its line of the pseudocode.
-    pub fn report(&mut self, told: impl FnOnce() -> Step) {
-        self.stage(std::iter::empty(), told);
+    /// Reports a decision without candidates: `reason` tells why, at its line of the pseudocode.
+    pub fn report(&mut self, reason: impl FnOnce() -> Step) {
+        self.stage(std::iter::empty(), reason);
     }
 
-    /// Tests the candidates `points` in order; `told` is the reason, at its line of the pseudocode.
-    pub fn stage(&mut self, points: impl Iterator<Item = Displacement> + Clone, told: impl FnOnce() -> Step) {
-        self.announce(points, Event::Stage, told);
+    /// Tests the candidates `points` in order; `reason` tells why, at its line of the pseudocode.
+    pub fn stage(&mut self, points: impl Iterator<Item = Displacement> + Clone, reason: impl FnOnce() -> Step) {
+        self.announce(points, Event::Stage, reason);
     }
 
-    /// Reports a stage, made an event by `event`, and tests its candidates.
+    /// Reports the stage that `event` makes an event of, and tests its candidates.
     pub(super) fn announce(
         &mut self,
         points: impl Iterator<Item = Displacement> + Clone,
         event: impl FnOnce(Stage) -> Event,
-        told: impl FnOnce() -> Step,
+        reason: impl FnOnce() -> Step,
     ) {
         let (window, tested, narrowed) = (self.window, &self.work.tested, self.narrowed);
         self.observer.see(|| {
@@ -152,7 +152,7 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
                     new.push(place);
                 }
             }
-            event(Stage { narrowed, asked: points.clone().count(), points: new, told: Box::new(told()) })
+            event(Stage { narrowed, asked: points.clone().count(), points: new, reason: Box::new(reason()) })
         });
         points.for_each(|point| self.test(point));
     }
@@ -219,7 +219,7 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
         }
     }
 
-    /// Accepts the result of a search that tested the whole search window itself; `cost` gives each cost by its index.
+    /// Accepts the result of a search that tested the whole search window itself; `cost` gives the cost of each index.
     pub(crate) fn settle(&mut self, best: Match, cost: impl Fn(&Workspace, usize) -> f64) {
         (self.best, self.tested) = (Some(best), self.window.count());
         // Only a parabola needs the costs of the neighbours again.

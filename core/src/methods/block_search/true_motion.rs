@@ -1,4 +1,4 @@
-//! The true motion of a block beside its match: how far the match is off, and why.
+//! The true motion of a block beside its match: the error of the match, and its cause.
 
 use std::cmp::Ordering;
 
@@ -8,9 +8,9 @@ use super::whole_window::WholeWindow;
 use super::{Displacement, Match};
 use crate::scene::Step;
 
-/// A motion vector is called wrong from this distance on from the true motion, in px.
+/// A motion vector is called wrong from this distance from the true motion, in px.
 pub(super) const CLOSE_PX: f32 = 1.0;
-/// A block is called occluded from this share of hidden pixels on.
+/// A block is called occluded from this share of hidden pixels.
 const OCCLUDED: f64 = 0.5;
 /// No search range is longer, in px.
 const LONGEST_PX: f32 = 65_536.0;
@@ -26,7 +26,7 @@ pub(super) enum Standing {
 }
 
 impl Probe<'_> {
-    /// The true motion of the block beside the match, where it is known, and why a wrong match was preferred.
+    /// Tells the true motion of the block beside the match, if it is known, and why a wrong match was preferred.
     pub(super) fn true_motion(&self, step: Step, found: Match) -> Step {
         let Some((truth, off)) = self.true_error(found) else { return step };
         let step = step.put(value::TRUE_MOTION, truth).put(value::ENDPOINT_ERROR, off).say(case::TRUTH);
@@ -54,7 +54,7 @@ impl Probe<'_> {
         )
     }
 
-    /// Whether the true displacement is a candidate that costs less than the match, so that a test would have found it.
+    /// Whether the true displacement is a candidate with a lower cost than the match, so that a test would have found it.
     pub(super) fn costs_less(&self, truth: [f32; 2], found: Match, surface: &WholeWindow) -> bool {
         match self.standing(truth) {
             Standing::Candidate(at) => surface.cost(at).is_some_and(|cost| cost < found.cost),
@@ -62,7 +62,7 @@ impl Probe<'_> {
         }
     }
 
-    /// Whether the truth says why the match is wrong.
+    /// Whether the truth explains the error of the match.
     pub(super) fn is_explained(&self, found: Match) -> bool {
         let wrong = self.true_error(found).filter(|(_, off)| *off >= CLOSE_PX);
         wrong.is_some_and(|(truth, _)| match self.standing(truth) {

@@ -60,7 +60,7 @@ impl WholeWindow {
         self.all().filter(|other| Some(other.cost) == cost && other.displacement != displacement).collect()
     }
 
-    /// The other local minima that cost at most `most`, lowest first: not beside `displacement`, and none beside a lower cost.
+    /// The other local minima that cost at most `most`, lowest first: not next to `displacement`, and none next to a lower cost.
     pub fn competing_minima(&self, displacement: Displacement, most: f64) -> Vec<Match> {
         let is_beside = |at: Displacement| [0, 1].iter().all(|&i| (at[i] - displacement[i]).abs() < 2);
         let mut competing_minima: Vec<Match> = self
@@ -71,7 +71,7 @@ impl WholeWindow {
         competing_minima
     }
 
-    /// Whether none of the 8 neighbours costs less.
+    /// Whether none of the 8 neighbours has a lower cost.
     fn is_minimum(&self, at: Match) -> bool {
         let around = (-1..=1).flat_map(|v| (-1..=1).map(move |u| [u, v]));
         let neighbours = around.map(|[u, v]| [at.displacement[0] + u, at.displacement[1] + v]);

@@ -25,7 +25,7 @@ pub const MOST_FRAMES: f64 = 8.0;
 pub struct Canvas {
     /// The pixels that it covers, in the coordinates of the reference frame.
     pub window: Window,
-    /// Number of frames that lie completely on it, of those it was made for.
+    /// Number of frames that lie completely on it, of all frames it was made for.
     pub complete: usize,
     /// Sums of weighted red, green and blue, and of the weights.
     sums: Grid<[f32; 4]>,

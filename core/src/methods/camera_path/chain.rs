@@ -108,7 +108,7 @@ pub struct Link {
 /// The motion of an estimate, or why it is not used.
 ///
 /// # Errors
-/// If there is none, it has no inverse, moves a corner farther than the diagonal of the picture, or registers the frames worse than no motion at
+/// If there is none, or it has no inverse, moves a corner farther than the diagonal of the picture, or registers the frames worse than no motion at
 /// all although it has few inliers or bends the picture.
 pub fn usable(field: &ModelField, frames: [&Gray; 2]) -> Result<Matrix3, Refused> {
     let most_px = diagonal(field.picture);
@@ -130,17 +130,16 @@ pub fn usable(field: &ModelField, frames: [&Gray; 2]) -> Result<Matrix3, Refused
     if is_weak && registered.mean > WORSE * at_rest.mean + NOISE {
         return Err(Refused::Worse { registered: registered.mean, at_rest: at_rest.mean });
     }
-    // An object that moves with the motion lowers the mean, and leaves the median to the rest of the picture.
+    // An object that moves with the motion lowers the mean; the median reflects the rest of the picture.
     if is_bent && registered.median > WORSE * at_rest.median + HALF_LEVEL {
         return Err(Refused::Bent { bend_px, registered: registered.median, at_rest: at_rest.median });
     }
     Ok(matrix)
 }
 
-/// Inliers from which on the matches alone are evidence.
+/// Number of inliers from which the matches alone are evidence.
 const MANY_INLIERS: usize = 16;
-/// Frames that differ by more than this many times their difference at rest, and by this many gray levels of noise,
-/// contradict a motion.
+/// Frames that differ by more than this many times their difference at rest, and by this many gray levels of noise, contradict a motion.
 const WORSE: f64 = 1.25;
 const NOISE: f64 = 0.05;
 /// The median of whole gray levels is known to half a level.
@@ -150,8 +149,8 @@ fn diagonal((width, height): (usize, usize)) -> f64 {
     (width as f64).hypot(height as f64)
 }
 
-/// From this share of the diagonal on, a motion between two frames bends the picture more than a camera does. Of hand-held clips it is at most
-/// 0.4 %; a homography that takes a passing car in bends it by more than 2 %.
+/// Above this share of the diagonal, a motion between two frames bends the picture more than a camera does: hand-held
+/// clips reach 0.4 %, a homography that includes a passing car more than 2 %.
 const BENT: f64 = 0.01;
 
 /// Whether a motion bends a picture more than a camera does.
@@ -282,7 +281,7 @@ mod tests {
             support: Some(Support { inliers, matches: inliers }),
         };
         let used = |u: f64, inliers: usize, by: usize| usable(&field(u, inliers), [&frame(0), &frame(by)]);
-        // The camera moves as the matches say, or it rests.
+        // The camera moves as the matches say, or it is at rest.
         assert!(used(4.0, 5, 4).is_ok());
         let Err(Refused::Worse { registered, at_rest }) = used(4.0, 5, 0) else { panic!("the frames are the same") };
         assert!(registered > 40.0 && at_rest == 0.0, "{registered}, {at_rest}");

@@ -202,7 +202,7 @@ pub fn refusal(step: Step, refused: Refused) -> (Step, &'static Case) {
     }
 }
 
-/// Tells at the end of a run how many pairs have no usable motion, and how many motions bend the picture, with the first of each.
+/// Tells at the end of a run the number of pairs without usable motion and of motions that bend the picture, with the first of each.
 pub fn conclude(step: Step, chain: &Chain) -> Step {
     let step = step.put(value::PAIRS, chain.motions.len());
     let step = match chain.first_refused {

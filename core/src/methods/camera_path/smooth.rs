@@ -78,7 +78,7 @@ mod tests {
     fn a_jump_is_spread_over_its_neighbours() {
         let path: Vec<_> = (0..21).map(|t| shift(if t == 10 { 6.0 } else { 0.0 }, 0.0)).collect();
         let (_, all) = weights((10, 21), 3.0);
-        // The frame goes back, but for its own weight.
+        // The frame moves back, except for its own weight.
         let corrected = |t| correction(&path, t, 3.0).expect("translations have inverses")[0][2];
         let found = corrected(10);
         assert!((found - (6.0 * all[all.len() / 2] - 6.0)).abs() < 1e-9, "{found}");

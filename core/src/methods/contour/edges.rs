@@ -5,7 +5,7 @@ use crate::base::{Threads, effort};
 use crate::geometry::filter::{gaussian, smooth};
 use crate::geometry::{Border, Bounds, Gray, Grid, polygon};
 
-/// Edges are relative to the steepest one, or to this gradient where none is as steep, in gray levels/px: noise is no edge.
+/// Edges are relative to the steepest gradient, or to this one if none is as steep, in gray levels/px: noise is no edge.
 const LEAST_GRADIENT: f32 = 1.0;
 
 /// The edge strength in a window around a contour.
@@ -20,7 +20,7 @@ pub struct Edges {
 }
 
 impl Edges {
-    /// The edges up to `margin` px around `points`, from all pixels that the filters reach; beyond the picture its border is repeated.
+    /// The edges up to `margin` px around `points`, from all pixels within reach of the filters; the border of the picture is replicated.
     pub fn around(luma: &Gray, points: &[Point], (sigma_px, margin): (f32, usize)) -> Self {
         let window = Window::around(points, margin, luma.size());
         // The Gaussian, and a pixel for the central difference.
@@ -37,7 +37,7 @@ impl Edges {
         Self { origin: window.origin, strength, steepest }
     }
 
-    /// A place in the window, relative to its first pixel; one outside is brought to its border.
+    /// A place in the window, relative to its first pixel; one outside is clamped to its border.
     fn within(&self, at: Point) -> [f32; 2] {
         let (width, height) = self.strength.size();
         [0, 1].map(|i| (at[i] - self.origin[i] as f64).clamp(0.0, [width, height][i] as f64 - 1.0) as f32)

@@ -33,7 +33,7 @@ pub(crate) fn tell_verdict(step: Step, verdict: &Verdict, min_edge_strength: f32
     step.put(value::MIN_EDGE_STRENGTH, min_edge_strength).say(case::JUDGED).say(judgement(verdict).0)
 }
 
-/// Tells why a fit is refused, if it is.
+/// Tells why a fit is rejected, if it is.
 pub(crate) fn loss(step: Step, verdict: Option<&Verdict>) -> Step {
     match verdict.and_then(|verdict| judgement(verdict).1) {
         Some(why) => step.say(why),
@@ -41,7 +41,7 @@ pub(crate) fn loss(step: Step, verdict: Option<&Verdict>) -> Step {
     }
 }
 
-/// Tells the lesson of a run with its last judgement; `reach` says what reaches farther.
+/// Tells the lesson of a run with its last judgement; `reach` names the parameter that reaches farther.
 pub(crate) fn advice(step: Step, ending: Ending, (verdict, reach): (Option<&Verdict>, &'static Case)) -> Step {
     let told: &[&'static Case] = match (ending.outcome, verdict) {
         (Outcome::Followed, _) => &[case::FOLLOWED],
@@ -91,7 +91,7 @@ pub(crate) fn arrows(scene: &mut Scene, [left, top]: [usize; 2], values: &Grid<[
     let arrow = |(x, y): (usize, usize)| {
         let force = values[(x, y)];
         let from = [(left + x) as f32, (top + y) as f32];
-        // Weak forces far from edges matter, and would not be seen beside the strong ones.
+        // Weak forces far from edges matter, and would not be visible beside the strong ones.
         let scale = ARROWS_PX as f32 * (length(force) / most).sqrt() / length(force).max(f32::MIN_POSITIVE);
         Arrow { from, to: [0, 1].map(|i| from[i] + scale * force[i]) }
     };

@@ -28,7 +28,7 @@ pub trait Fit: Params + Default + Clone + Send + Sync + 'static {
     /// Start, points and edges.
     fn snake(&self) -> &Snake;
 
-    /// Fits the contour `before` to a frame after one in which the object had a region.
+    /// Fits the contour `before` to a frame, given the region of the frame before.
     fn fit(&self, at: (&Frame, Region), before: &Arc<[Point]>, observer: &mut impl Observer<Self::Event>) -> Model;
 
     /// As [`RegionModel::need`].

@@ -26,7 +26,7 @@ impl Pentadiagonal {
         let (diagonal, bands) = (2.0 * alpha + 6.0 * beta + gamma, [-alpha - 4.0 * beta, beta]);
         let entry = |i: usize, j: usize| {
             let apart = i.abs_diff(j);
-            // Around the curve the shorter way.
+            // The shorter way around the curve.
             match apart.min(count - apart) {
                 0 => diagonal,
                 around @ 1..=2 => bands[around - 1],

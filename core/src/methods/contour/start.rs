@@ -28,7 +28,7 @@ const LEAST_SIDE_PX: f32 = 4.0;
 const CORNERS: usize = 64;
 
 impl Placement {
-    /// The corners that are placed; none if the region is taken.
+    /// The placed corners; none if the region is used.
     fn corners(&self) -> Vec<Point> {
         self.contour.corners().iter().map(|at| at.map(f64::from)).collect()
     }
@@ -90,7 +90,7 @@ fn is_inside(at: Point, (width, height): (usize, usize)) -> bool {
     (0..2).all(|i| at[i] >= -0.5 && at[i] <= [width, height][i] as f64 - 0.5)
 }
 
-/// The sum of the areas of the triangles between the first corner and each edge: 0 where all corners lie on a line.
+/// The sum of the areas of the triangles between the first corner and each edge: 0 if all corners lie on a line.
 fn spread(corners: &[Point]) -> f64 {
     let from = |at: Point| [0, 1].map(|i| at[i] - corners[0][i]);
     let pairs = corners.windows(2).map(|pair| (from(pair[0]), from(pair[1])));

@@ -168,7 +168,7 @@ fn squared_of(level: &Level, parts: &Parts, start: usize) -> [u32; LANES] {
 /// Calls `add` with the sum of each part of the block and those of the candidates.
 #[inline(always)]
 fn each_part(level: &Level, parts: &Parts, start: usize, mut add: impl FnMut(u32, &[u32; LANES])) {
-    // A block that is cut at the border may hold no part, and reach less far than one.
+    // A block that is clipped at the border may contain no part, and reach less far than one.
     let mut row = start;
     for own in parts.sums.chunks(parts.counts.0.max(1)) {
         let mut place = row;

@@ -150,7 +150,7 @@ impl Conclusion {
         if self.pixels == 0 {
             return step.say(case::NOT_EVALUATED);
         }
-        // A dense field covers all pixels: nothing to report.
+        // A dense field covers all pixels, so there is nothing to report.
         let (step, said) = match (self.has_truth, self.density < 1.0) {
             (true, true) => (step.put(value::MEAN_ERROR, self.mean), case::SPARSE_ERROR),
             (true, false) => (step.put(value::MEAN_ERROR, self.mean), case::DENSE_ERROR),

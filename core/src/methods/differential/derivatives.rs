@@ -120,7 +120,7 @@ mod tests {
     #[test]
     fn every_scheme_is_exact_on_planes_that_change() {
         for scheme in ALL {
-            // The cube stands for its middle, all others for the pixel; in time for the middle of both frames.
+            // The cube is centred between the pixels and frames; the other schemes are centred at the pixel, between both frames.
             let [x, y] = if scheme == Scheme::Cube { [4.5, 5.5] } else { [4.0, 5.0] };
             let f = |x: f64, y: f64, t: f64| 3.0 + 2.0 * x - 5.0 * y + 0.5 * x * y + t * (7.0 + x - 2.0 * y);
             let truth = [2.0 + 0.5 * y + 0.5, -5.0 + 0.5 * x - 1.0, 7.0 + x - 2.0 * y];

@@ -22,7 +22,7 @@ pub struct Multiscale {
     coarser: [Vec<Grid<f32>>; 2],
     /// The true flow at the pixels of each level in px of level 0, NaN where it is unknown; computed when an error is needed.
     truths: Vec<OnceLock<Option<Field>>>,
-    /// The pixel of level 0 that is explained where none is chosen.
+    /// The pixel of level 0 that is explained by default.
     default_pixel: OnceLock<(usize, usize)>,
 }
 
@@ -68,7 +68,7 @@ impl Multiscale {
         Some((on_level(x, scale[0], width), on_level(y, scale[1], height)))
     }
 
-    /// Returns the pixel of a level that is explained where none is chosen: the one with the strongest constraint of the frames,
+    /// Returns the pixel of a level that is explained by default: the one with the strongest constraint of the frames,
     /// the same for all iterations.
     pub fn default_pixel(&self, level: usize) -> (usize, usize) {
         let (x, y) = *self.default_pixel.get_or_init(|| self.frame_pair.strongest_constraint());

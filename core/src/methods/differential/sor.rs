@@ -93,7 +93,7 @@ pub fn iterate<const N: usize, U: Update<N>>(
     (iterations, relaxation): (usize, f32),
     threads: &Threads,
 ) -> Field {
-    // A band of several needs rows beyond it, the more, the more iterations it does.
+    // A band needs rows beyond it, the more, the more iterations it does.
     let at_once = if threads.count() == 1 { iterations } else { DEPTH };
     let (mut from, mut spare) = (None, None);
     for done in (0..iterations).step_by(at_once.max(1)) {
@@ -122,7 +122,7 @@ fn in_bands<const N: usize, U: Update<N>>(
     });
 }
 
-/// A band of rows. Rows beyond it are computed only where its own need them.
+/// A band of rows. Rows beyond it are computed only where its own rows need them.
 struct Band<'a, const N: usize> {
     factors: &'a Factors<N>,
     rows: Range<usize>,
@@ -328,7 +328,7 @@ pub fn row<const N: usize, U: Update<N>>(
         }
         let mut to = [[0.0; LANES]; 2];
         for i in 0..LANES {
-            // A loop, where a function of arrays would not become vector instructions.
+            // A loop, because a function of arrays would not be vectorised.
             let mut own = [0.0; N];
             for k in 0..N {
                 own[k] = lanes[k][i];

@@ -103,7 +103,7 @@ impl Tensor {
     /// `None` with no more than two constraints.
     pub fn spread(&self, uv: [f32; 2]) -> Option<Spread> {
         let [large, small] = self.eigenvalues();
-        // The solution takes two degrees of freedom.
+        // The solution uses two degrees of freedom.
         let variance = self.residual(uv) / (self.pixels - 2.0);
         let radii = [variance / large, variance / small].map(f32::sqrt);
         let angle_rad = 0.5 * (2.0 * self.xy).atan2(self.xx - self.yy);
@@ -320,7 +320,7 @@ mod tests {
     fn assert_plain(of: &Constraints, window: &Window) {
         let (reach, (width, height)) = (window.reach() as isize, of.a.size());
         let mut sums = window.sums(of);
-        // Not in order, so that rows are met again and skipped.
+        // Out of order, so that rows are revisited and skipped.
         for y in (0..height).map(|y| y * 4 % height) {
             sums.row(y, |x, found| {
                 let (mut total, mut squares, mut sums) = (0.0, 0.0, [0.0; 6]);

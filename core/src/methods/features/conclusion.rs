@@ -97,7 +97,7 @@ fn put_losses(step: Step, losses: &[(Loss, usize)]) -> Step {
 }
 
 fn list(losses: &[(Loss, usize)]) -> Vec<&'static Case> {
-    let mut cases: Vec<_> = losses.iter().flat_map(|(loss, _)| [loss.told, case::COMMA]).collect();
+    let mut cases: Vec<_> = losses.iter().flat_map(|(loss, _)| [loss.case, case::COMMA]).collect();
     cases.pop();
     cases
 }
@@ -126,7 +126,7 @@ struct Loss {
     /// The number of these features.
     lost: &'static Variable,
     /// The case that tells it.
-    told: &'static Case,
+    case: &'static Case,
     /// The remedy.
     advice: &'static Case,
 }
@@ -134,7 +134,7 @@ struct Loss {
 impl Loss {
     /// The reason in words, which stand behind the number.
     fn words(self) -> &'static str {
-        self.told.text.split_once(' ').map_or("", |(_, words)| words)
+        self.case.text.split_once(' ').map_or("", |(_, words)| words)
     }
 }
 
@@ -144,7 +144,7 @@ pub fn reason_of(status: Status) -> Option<&'static str> {
 }
 
 fn loss(status: Status) -> Option<Loss> {
-    let (lost, told, advice) = match status {
+    let (lost, case, advice) = match status {
         Status::Outside => (value::LOST_OUTSIDE, case::LOST_OUTSIDE, case::OUTSIDE),
         Status::Flat => (value::LOST_FLAT, case::LOST_FLAT, case::FLAT),
         Status::Unlike => (value::LOST_UNLIKE, case::LOST_UNLIKE, case::UNLIKE),
@@ -153,7 +153,7 @@ fn loss(status: Status) -> Option<Loss> {
         Status::Unmatched => (value::LOST_UNMATCHED, case::LOST_UNMATCHED, case::UNMATCHED),
         Status::Found | Status::Tracked => return None,
     };
-    Some(Loss { lost, told, advice })
+    Some(Loss { lost, case, advice })
 }
 
 #[cfg(test)]

@@ -138,7 +138,7 @@ mod tests {
             for said in said {
                 assert!(said.contains("flat area") && !said.contains("corner"), "{said}");
             }
-            // Without a threshold too, the pixel lies in the region that is named flat.
+            // Without a threshold, too, the pixel lies in the region named flat.
             let all = regions(&harris, pixel([large, small], None));
             let (.., line) = all.boundaries.last().unwrap();
             let [x, y] = all.points[0].2;

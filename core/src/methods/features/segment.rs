@@ -147,7 +147,7 @@ fn each_chunk<O: Observer<Candidate>>(
         return;
     }
     let mut rows: Rows = std::array::from_fn(|k| picture.row(y + k - RADIUS));
-    // Narrow rows get zeros behind them.
+    // Narrow rows are padded with zeros.
     let mut padded = [[0; LANES + 2 * RADIUS]; 2 * RADIUS + 1];
     if width < LANES + 2 * RADIUS {
         padded.iter_mut().zip(rows).for_each(|(padded, row)| padded[..width].copy_from_slice(row));

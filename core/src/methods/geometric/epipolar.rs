@@ -55,7 +55,7 @@ pub(crate) fn least_sampson(matches: &[Correspondence]) -> Option<Matrix3> {
         (matrix, least) = (next, sum);
     }
     let refined = sampson::refined(&matrix, matches);
-    // Where the first is exact, rounding decides.
+    // If the first is exact, rounding decides.
     Some(refined.filter(|refined| cost(refined, &mut numbers) < least).unwrap_or(matrix))
 }
 
@@ -74,7 +74,7 @@ fn weighted_eight_point(
     }
     let normal = Moments::of(matches, [from, to], weights).bilinear();
     let [least, next] = two_least_values(&normal);
-    // A second solution is as good: the points lie in a plane, or the camera has only turned.
+    // A second solution is equally good: the points lie in a plane, or the camera has only rotated.
     if next.0 < 1e-10 * normal.trace() {
         return None;
     }
@@ -102,7 +102,7 @@ fn null_space(matches: &[Correspondence], [from, to]: [&Normalisation; 2]) -> Op
     for (row, m) in rows.iter_mut().zip(matches) {
         *row = equation(from.apply(m.from), to.apply(m.to));
     }
-    // The unknown that stands in each column.
+    // The unknown in each column.
     let mut unknowns: [usize; 9] = std::array::from_fn(|i| i);
     for k in 0..7 {
         let places = (k..7).flat_map(|i| (k..9).map(move |j| (i, j)));

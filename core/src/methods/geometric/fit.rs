@@ -129,7 +129,7 @@ fn direct_linear(moments: &Moments) -> Option<Matrix3> {
     let eigen = normal.symmetric_eigen();
     let mut order: Vec<usize> = (0..9).collect();
     order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
-    // Two solutions are as good as each other where points lie on a line.
+    // Two solutions are equally good if the points lie on a line.
     let [least, next, most] = [order[0], order[1], order[8]].map(|i| eigen.eigenvalues[i]);
     if next - least < 1e-9 * most {
         return None;

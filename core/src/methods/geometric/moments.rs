@@ -9,8 +9,8 @@ use crate::base::wide::wide;
 /// A symmetric 9×9 matrix.
 pub type Normal = SMatrix<f64, 9, 9>;
 
-/// The sums Σ w (q qᵀ) ⊗ (p pᵀ) over pairs of homogeneous points p and q with weights w: the six different entries of q qᵀ, and of p pᵀ
-/// for each.
+/// The sums Σ w (q qᵀ) ⊗ (p pᵀ) over pairs of homogeneous points p and q with weights w: for each of the six distinct
+/// entries of q qᵀ, those of p pᵀ.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Moments([[f64; 6]; 6]);
 

@@ -21,10 +21,10 @@ const COORDINATES: f64 = 4.0;
 const OUTLIER: f64 = 2.0;
 /// Smallest standard deviation of a coordinate in px: keypoints are hardly more accurate.
 const LEAST_SIGMA_PX: f64 = 0.1;
-/// A match is off the plane from this many inlier thresholds and standard deviations on, where errors of positions do not reach.
+/// A match is off the plane from this many inlier thresholds and standard deviations, beyond the errors of positions.
 const OFF_THRESHOLDS: f64 = 2.0;
 const OFF_SIGMAS: f64 = 6.0;
-/// From this share of the inliers on, and with a smaller share of all matches clearly off it, a single homography explains the scene.
+/// A single homography explains the scene if this share of the inliers follows it, and a smaller share of all matches is clearly off it.
 const ONE_PLANE: f64 = 0.75;
 const FEW_OFF: f64 = 0.1;
 /// Matches off the plane that determine F.
@@ -102,7 +102,8 @@ impl Planarity {
         let off = |m: &Correspondence| Some(squared_distance(&plane, m).sqrt()).filter(|distance| *distance > off_px);
         let all: Vec<f64> = matches.iter().filter_map(off).collect();
         let agreeing = inliers.iter().filter_map(off).count();
-        // A match at this distance from its place on the plane, in any direction, is within the threshold of the line with this probability.
+        // A match at this distance from its place on the plane, in any direction, is within the threshold of the line
+        // with this probability.
         let chance = |distance: &f64| (threshold_px / distance).min(1.0).asin() * std::f64::consts::FRAC_2_PI;
         let share = all.iter().map(chance).sum::<f64>() / all.len().max(1) as f64;
         Some(Self {
@@ -255,7 +256,7 @@ mod tests {
 
     #[test]
     fn the_distance_from_a_homography_is_that_of_the_nearest_exact_pair() {
-        // Of a pure translation half of each coordinate's error is that of either frame.
+        // For a pure translation, half of each coordinate's error belongs to either frame.
         let shift = [[1.0, 0.0, 7.0], [0.0, 1.0, -2.0], [0.0, 0.0, 1.0]];
         let off = Correspondence { from: [10.0, 20.0], to: [17.0 + 0.6, 18.0 - 0.8] };
         assert!((squared_distance(&shift, &off) - 0.5).abs() < 1e-12);

@@ -84,7 +84,7 @@ fn to_infinity([x, y, w]: [f64; 3], (width, height): (usize, usize)) -> Matrix3 
 fn matching(matrix: &Matrix3, (epipole, second): ([f64; 3], &Matrix3), matches: &[Correspondence]) -> Option<Matrix3> {
     let e = Vector3::from(epipole);
     let fundamental = Square::from_fn(|i, j| matrix[i][j]);
-    // F = [e′]× M; a multiple of e′ vᵀ makes M regular.
+    // F = [e′]× M; adding a multiple of e′ vᵀ makes M regular.
     let scale = fundamental.norm();
     let m = e.cross_matrix() * fundamental / scale + e * Vector3::new(1.0, 1.0, 1.0).transpose();
     let plain = product(second, &rows(&m));
@@ -127,7 +127,7 @@ fn framed(maps: [Matrix3; 2], size: (usize, usize)) -> Option<Rectification> {
     let down = outlines.each_ref().map(|outline| range(outline, 1));
     let (top, bottom) = (down[0][0].min(down[1][0]), down[0][1].max(down[1][1]));
     let width = across.iter().map(|[left, right]| right - left).fold(0.0, f64::max);
-    // The area of the second outline as large as a frame, and nothing much larger.
+    // Scales the second outline to the area of a frame, without enlarging anything much.
     let area = |outline: &[[f64; 2]; 4]| {
         let next = |i: usize| outline[(i + 1) % 4];
         (0..4).map(|i| outline[i][0] * next(i)[1] - outline[i][1] * next(i)[0]).sum::<f64>().abs() / 2.0
@@ -207,7 +207,7 @@ mod tests {
             let off = found.row_error_px(&all).expect("points before the horizon");
             assert!(off < 1e-3, "{t:?}: {off} px");
             assert!(found.size.0 <= 2 * SIZE.0 + 2 && found.size.1 <= 2 * SIZE.1 + 2, "{:?}", found.size);
-            // Every point of an epipolar line comes to the same row.
+            // Every point of an epipolar line is mapped to the same row.
             let [a, b, c] = line(&matrix, all[3].from);
             let row = mapped(&found.maps[0], all[3].from).expect("before the horizon")[1];
             for x in [100.0, 300.0, 500.0] {

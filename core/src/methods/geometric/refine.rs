@@ -101,7 +101,7 @@ mod tests {
         let linear = fit(Model::Homography, &all).expect("points in general position");
         let refined = least_squares(Model::Homography, &all).expect("points in general position");
         assert!(sum(&refined) <= sum(&linear), "{} after {}", sum(&refined), sum(&linear));
-        // At the minimum no entry can be changed for the better.
+        // At the minimum no change of an entry lowers the cost.
         for (i, j) in [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2), (2, 0), (2, 1)] {
             for by in [-1e-5, 1e-5] {
                 let mut other = refined;

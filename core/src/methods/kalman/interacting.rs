@@ -81,8 +81,7 @@ impl Modes {
         of
     }
 
-    /// Mixes the estimates: each mode begins the frame with the moments of all modes from which the object may have
-    /// switched to it.
+    /// Mixes the estimates: each mode begins the frame with the moments of all modes from which the object may have switched to it.
     pub fn mixed(&self, model: &Interacting) -> Mixing {
         let joint = [0, 1].map(|i| model.transitions()[i].map(|transition| transition * self.probabilities[i]));
         let predicted = [0, 1].map(|j| joint[0][j] + joint[1][j]);

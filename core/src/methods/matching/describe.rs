@@ -215,7 +215,7 @@ fn comparisons(
 }
 
 impl Patches {
-    /// The patch around a position, as its descriptor; `None` where it leaves the picture, and for the ZNCC where it is flat.
+    /// The patch around a position, as its descriptor; `None` if it leaves the picture, and for the ZNCC if it is flat.
     fn around(&self, picture: &Gray, at: [f32; 2]) -> Option<Descriptor> {
         let (x, y) = picture.cell_at(at)?;
         let reach = self.reach;
@@ -229,7 +229,7 @@ impl Patches {
             let mean = values.iter().sum::<f32>() / values.len() as f32;
             values.iter_mut().for_each(|value| *value -= mean);
             let length = values.iter().map(|value| value * value).sum::<f32>().sqrt();
-            // A flat patch has no correlation with any: the length of another is at least that of one gray level.
+            // A flat patch correlates with none: the length of any other is at least that of one gray level.
             if length < LEAST_LENGTH {
                 return None;
             }

@@ -19,7 +19,7 @@ pub enum Event {
         /// Its distance.
         distance: f32,
     },
-    /// The nearest and the second nearest neighbour are found.
+    /// The nearest and the second nearest neighbour were found.
     Found(Neighbors),
     /// The ratio of both distances is compared with its limit.
     Ratio {
@@ -32,7 +32,7 @@ pub enum Event {
     CrossCheck {
         /// The index of that keypoint.
         back: usize,
-        /// Whether it is the one from which the search began.
+        /// Whether it is the keypoint from which the search began.
         passes: bool,
     },
     /// The outcome.

@@ -41,7 +41,7 @@ impl ShownTrack<'_> {
     }
 }
 
-/// Draws the tracks within a frame: as `done` has changed them, without those that it deletes, or else predicted.
+/// Draws the tracks within a frame: as changed by `done`, without those deleted by it, or else as predicted.
 pub(crate) fn draw_progress<'a>(
     scene: &mut Scene,
     run: &TrackerRun,
@@ -74,7 +74,7 @@ pub(crate) fn draw_arrows<const N: usize>(scene: &mut Scene, all: [(Role, &'stat
     }
 }
 
-/// Room around the objects of a step, in sizes of the largest box: their surroundings are seen too.
+/// Room around the objects of a step, in sizes of the largest box, so that their surroundings are visible.
 const AROUND: f32 = 2.5;
 
 /// Makes the surroundings of an object the work area of the step, so that the stage shows the subject of the sentence.

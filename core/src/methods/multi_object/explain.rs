@@ -22,7 +22,7 @@ use crate::scene::{Case, Number, Step, Unit, Value};
 /// The most detections of tracks that a sentence lists.
 const LISTED: usize = 4;
 
-/// Says how many detections the frame has, and how many the minimum score has discarded.
+/// Tells the number of detections of the frame, and of those discarded by the minimum score.
 pub(crate) fn tell_detections(
     step: Step,
     (detections, unit): (usize, Unit),
@@ -39,13 +39,13 @@ pub(crate) fn put_gates(step: Step, gated: usize, [tracks, detections]: [usize; 
     step.put(value::GATE, gate).put(value::GATE_PROBABILITY, 100.0 * share)
 }
 
-/// Says how many pairs are inside the gate, by a case of the tracker, where there are pairs.
+/// Tells the number of pairs inside the gate by a case of the tracker, if there are pairs.
 pub(crate) fn tell_gate(step: Step, case_of_pairs: &'static Case) -> Step {
     let is_any = step.real(value::PAIRS) > 0.0;
     step.say(if is_any { case_of_pairs } else { case::NONE_TO_GATE })
 }
 
-/// Says for how many tracks only the nearest detections are compared.
+/// Tells for how many tracks only the nearest detections are compared.
 pub(crate) fn tell_crowding(step: Step, tracks: usize) -> Step {
     step.put(value::CROWDED, tracks).put(value::MOST_NEAR, MOST_NEAR).say_if(tracks > 0, case::CROWDED)
 }
@@ -75,7 +75,7 @@ pub(crate) fn put_prediction(step: Step, filter: &Filter) -> Step {
     step.put(value::POSITION_BEFORE, filter.place()).put(value::DEVIATION_BEFORE, deviation(filter))
 }
 
-/// Says why a track is deleted.
+/// Tells why a track is deleted.
 pub(crate) fn tell_deletion(step: Step, track: &ShownTrack, rules: Rules) -> Step {
     step.say(match track.age.status {
         TrackStatus::Tentative => case::DELETED_TENTATIVE,
@@ -84,18 +84,18 @@ pub(crate) fn tell_deletion(step: Step, track: &ShownTrack, rules: Rules) -> Ste
     })
 }
 
-/// Says until when a new track is tentative, where it is.
+/// Tells until when a new track is tentative, if it is.
 pub(crate) fn tell_tentative(step: Step, status: TrackStatus, rules: Rules) -> Step {
     let step = step.put_value(value::MIN_HITS.is(rules.min_hits).in_unit(Unit::count("hit")));
     step.say_if(status == TrackStatus::Tentative, case::TENTATIVE_UNTIL)
 }
 
-/// Says how often a track was missed in a row.
+/// Tells the number of consecutive misses of a track.
 pub(crate) fn tell_misses(step: Step, missed: usize) -> Step {
     step.say_if(missed > 1, case::IN_A_ROW).say(case::MAX_AGE)
 }
 
-/// Says the origins of detections: the track of each with the case of its kind, then the number of false alarms.
+/// Tells the origins of detections: the track of each with the case of its kind, then the number of false alarms.
 pub(crate) fn tell_origins(step: Step, all: &[(usize, Option<(u32, &'static Case)>)]) -> Step {
     let of_tracks: Vec<_> = all.iter().filter_map(|(detection, of)| Some((*detection, (*of)?))).collect();
     let others = of_tracks.len().saturating_sub(LISTED);
@@ -109,7 +109,7 @@ pub(crate) fn tell_origins(step: Step, all: &[(usize, Option<(u32, &'static Case
     step.say_if(clutter > 0 && !of_tracks.is_empty(), case::COMMA).say_if(clutter > 0, case::CLUTTER)
 }
 
-/// Says the conclusion of a frame, and at its end of the run: counts, scores, the kind of error and the remedy.
+/// Tells the conclusion of a frame, and at its end of the run: counts, scores, the kind of error and the remedy.
 pub(crate) fn tell_conclusion(step: Step, frame: &ObjectFrame, conclusion: &Conclusion) -> Step {
     let of = |status| of_status(frame, status);
     let step = step.put(value::CONFIRMED, of(TrackStatus::Confirmed)).put(value::COASTING, of(TrackStatus::Coasting));
@@ -127,7 +127,7 @@ pub(crate) fn tell_conclusion(step: Step, frame: &ObjectFrame, conclusion: &Conc
     step.put(value::STATIONARY, conclusion.stationary).say_if(conclusion.stationary > 0, case::STATIONARY)
 }
 
-/// Says the scores of a run, with those in real time where they differ, and its worst frames.
+/// Tells the scores of a run, with those in real time if they differ, and its worst frames.
 fn tell_scores(step: Step, run: Scores, conclusion: &Conclusion) -> Step {
     let hindsight = [value::MOTA.is(run.mota), value::IDF1.is(run.idf1), value::SWITCHES.is(run.switches)];
     let of = |live: Scores| {
@@ -164,7 +164,7 @@ fn advice(run: Scores, conclusion: &Conclusion) -> Option<&'static Case> {
     })
 }
 
-/// Says which frames have the most errors.
+/// Tells the frames with the most errors.
 fn tell_worst_frames(step: Step, worst: &[(usize, Matches)]) -> Step {
     let Some((first, all)) = worst.first() else { return step };
     let (misses, alarms) = (all.misses(), all.false_positives());
@@ -178,7 +178,7 @@ fn tell_worst_frames(step: Step, worst: &[(usize, Matches)]) -> Step {
     }
 }
 
-/// Says how many true objects of a frame are matched.
+/// Tells the number of true objects of a frame that are matched.
 fn tell_matches(step: Step, all: Matches) -> Step {
     let alarms = all.false_positives();
     let step = step.put(value::TRUTHS, all.truths).put(value::MATCHED, all.pairs).put(value::FALSE_ALARMS, alarms);

@@ -49,7 +49,7 @@ pub(crate) struct Movement {
     path_px: f64,
 }
 
-/// The least share of a path that leads away from its start, where motion is consistent.
+/// The least share of a path that leads away from its start, for consistent motion.
 const LEAST_STRAIGHT: f64 = 0.5;
 
 /// Returns the box of a detection in coordinates of the background, in px.

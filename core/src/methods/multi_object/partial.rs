@@ -8,10 +8,10 @@ use crate::geometry::Bounds;
 
 /// The share of its size that a box is shorter by at least, where a side is hidden.
 const LEAST_HIDDEN: f32 = 0.12;
-/// The greatest deviation of the visible edge from its prediction, as a share of the hidden length. Where both edges move inward one
-/// of them is always within half of it.
+/// The greatest deviation of the visible edge from its prediction, as a share of the hidden length. If both edges move
+/// inward, one of them is always within half of it.
 const VISIBLE: f32 = 0.4;
-/// The greatest change of the other side, along which nothing is hidden, as a share.
+/// The greatest change of the other dimension, along which nothing is hidden, as a share.
 const OTHER: f32 = 0.3;
 /// The greatest change of the size between frames as a share: by growing and by shrinking.
 const CHANGE: [f32; 2] = [0.1, 0.05];

@@ -11,7 +11,7 @@ use crate::scene::{Role, Scene, Step};
 /// The distance in px of the frame around a false alarm from its box.
 const AROUND_PX: f32 = 2.0;
 
-/// The most objects of a frame whose errors are told: more cannot be seen apart, and their matching takes seconds.
+/// The maximum number of objects of a frame whose errors are shown: more cannot be told apart, and their matching takes seconds.
 const MOST_OBJECTS: usize = 500;
 
 /// Returns the errors of the last finished frame, if the truth of the run is known.

@@ -48,7 +48,7 @@ impl<T: Explained> RegionTracking<T> {
         if ending.outcome == Outcome::Unknown {
             return step.say(case::UNJUDGED);
         }
-        // The last regions are off because there is little or nothing to see, whatever a tracker compares.
+        // The last regions are off because there is little or nothing to see, whatever feature a tracker compares.
         let tells_cause = T::JUDGES_LOSS && ending.loss.is_some();
         if vanished.is_some() && !tells_cause && !matches!(ending.outcome, Outcome::Followed | Outcome::Regained) {
             return step;
@@ -56,7 +56,7 @@ impl<T: Explained> RegionTracking<T> {
         Self::with_last(seen, step, |at, step| self.0.advise(ending, at, step))
     }
 
-    /// Tells at the end of a run of the region that was found again after its longest loss.
+    /// Tells at the end of a run about the region that was found again after its longest loss.
     fn tell_regained((after, errors): (&State<T::Model>, &[RegionError]), step: Step) -> Step {
         let Some(regained) = Regained::longest(&after.past) else { return step };
         let frame = after.span.first + regained.index;

@@ -17,7 +17,7 @@ const SHORTLY: usize = 5;
 pub enum Outcome {
     /// It followed the object.
     Followed,
-    /// It left the object, or most of it, for some frames and met it again.
+    /// It left the object, or most of it, for some frames and then returned.
     Regained,
     /// It is on the object, and at least twice as large.
     Grown,

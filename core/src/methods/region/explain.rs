@@ -44,7 +44,7 @@ impl<T: Explained> RegionTracking<T> {
         Some(At { model: state.model.as_deref(), region: state.region, events, event, pose, poses })
     }
 
-    pub(super) fn explain_step(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
         let state = seen.before;
         let Some(event) = seen.events.last() else {
             let step = Step::at(line::EACH_FRAME).put(value::ESTIMATOR, T::INFO.name);
@@ -150,7 +150,7 @@ impl<T: Explained> RegionTracking<T> {
         all
     }
 
-    pub(super) fn draw_marks(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let state = seen.before;
         let path: Vec<_> = state.past.iter().map(|frame| frame.region.center).collect();
         let path = &path[path.len().saturating_sub(TRAIL_FRAMES)..];

@@ -5,7 +5,7 @@ use super::vocabulary::value;
 use crate::products::Region;
 use crate::scene::{Picture, Role, Scene, Series, Shape, Step};
 
-/// The most bars of a histogram: more cannot be told apart.
+/// Maximum number of bars of a histogram: more cannot be distinguished.
 pub(crate) const BARS: usize = 32;
 
 /// A histogram as the outline of its bars, the first of which is around x = 1.
@@ -24,7 +24,7 @@ pub(crate) fn histograms(
     Series { is_sweep: true, ..Series::new(title, [x_label, y_label], x_max, lines) }
 }
 
-/// A curve over values that are no steps.
+/// A curve over values instead of steps.
 pub(crate) fn curve(
     title: &'static str,
     [x_label, y_label]: [&'static str; 2],

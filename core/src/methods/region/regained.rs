@@ -1,4 +1,4 @@
-//! A region that is found again after a loss, reported or not: the colours or the pattern of another object may have been found.
+//! A region that is found again after a loss, reported or not: the colours or the pattern may belong to another object.
 
 use super::vocabulary::{case, value};
 use crate::products::RegionFrame;
@@ -35,20 +35,20 @@ impl Regained {
         Some(Self { index: past.len(), lost, reported, similarities, distance_px: u.hypot(v) })
     }
 
-    /// The end of the longest loss of a run that has one, the first of equals.
+    /// The end of the longest loss of a run, the first of equals; `None` without a loss.
     pub fn longest(frames: &[RegionFrame]) -> Option<Self> {
         let all = (0..frames.len()).rev().filter_map(|index| Self::of(&frames[..index], &frames[index]));
         all.max_by_key(|regained| regained.lost)
     }
 
-    /// Tells it of its own frame; `is_known` where the truth tells which object was found.
+    /// Tells it in its own frame; `is_known` if the truth tells which object was found.
     pub fn tell(&self, step: Step, unit: Unit, is_known: bool) -> Step {
         let case = if self.reported == 0 { case::REGAINED_UNREPORTED } else { case::REGAINED };
         self.compare(step, unit, case).say_if(!is_known, case::DOUBTFUL)
     }
 
-    /// Tells it of frame `frame` at the end of the run, where `overlap` is that with the true box if it is known; nothing of a region on the
-    /// object.
+    /// Tells it about frame `frame` at the end of the run, with the `overlap` with the true box if that is known; says
+    /// nothing if the region is on the object.
     pub fn conclude(&self, step: Step, unit: Unit, (frame, overlap): (usize, Option<f64>)) -> Step {
         let verdict = match overlap {
             None => case::DOUBTFUL,

@@ -23,7 +23,7 @@ pub struct Similarity {
     pub symbol: &'static str,
     /// Its decimals.
     pub decimals: usize,
-    /// Another thing that has a high one, as the subject of a sentence.
+    /// Another cause of a high similarity, as the subject of a sentence.
     pub shared_by: &'static str,
 }
 
@@ -131,8 +131,7 @@ pub trait Explained: RegionModel {
         step
     }
 
-    /// Summarises all frames of a run beyond their regions, at the tracker's last event, as a further sentence of its
-    /// end.
+    /// Summarises all frames of a run beyond their regions, at the tracker's last event, as a further sentence of its end.
     fn tell_summary(&self, _at: &At<'_, Self>, step: Step) -> Step {
         step
     }

@@ -110,7 +110,7 @@ fn accumulate_body(image: &Grid<f32>, place: &Place, sums: &mut Sums) {
     let weight = |d: f32| (across * d * d).exp();
     let first = inside((x - radius).ceil(), width);
     let last = inside((x + radius).floor() + 1.0, width);
-    // With nothing behind the last, because samples are computed several at once.
+    // Zeros behind the last entry, because several samples are computed at once.
     let of_columns = (first..last).map(|i| weight(i as f32 - x)).chain([0.0; LANES]);
     let of_columns: Vec<f32> = of_columns.collect();
     for j in rows {
@@ -296,7 +296,7 @@ mod tests {
     #[test]
     fn a_descriptor_turns_with_the_picture() {
         let image = Grid::from_fn(81, 81, |x, y| texture(x as f32, y as f32));
-        // A quarter turn: (x, y) goes to (80 − y, x).
+        // A quarter turn maps (x, y) to (80 − y, x).
         let turned = Grid::from_fn(81, 81, |x, y| image[(y, 80 - x)]);
         let place = Place { at: [38.0, 44.0], sigma_px: 2.2, angle_rad: 0.4 };
         let after = Place { at: [80.0 - 44.0, 38.0], angle_rad: 0.4 + std::f32::consts::FRAC_PI_2, ..place };

@@ -121,7 +121,7 @@ fn gradients_at<const N: usize>(around: [&[f32]; 4], start: usize) -> [[f32; N];
     for i in 0..N {
         let (gx, gy) = (right[i] - left[i], below[i] - above[i]);
         let turns = angle(gx, gy) / TAU;
-        // Rounded to the nearest bin; 36 is 0 again.
+        // Rounded to the nearest bin; bin 36 is bin 0.
         let bin = (turns * ORIENTATIONS as f32 + ORIENTATIONS as f32 + 0.5).floor();
         bins[i] = if bin >= ORIENTATIONS as f32 { bin - ORIENTATIONS as f32 } else { bin };
         magnitudes[i] = (gx * gx + gy * gy).sqrt();

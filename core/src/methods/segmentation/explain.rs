@@ -1,5 +1,4 @@
-//! Explanations and drawings shared by all motion segmentations: labels, segments, the plane of displacements,
-//! conclusions.
+//! Explanations and drawings shared by all motion segmentations: labels, segments, the plane of displacements, conclusions.
 
 use std::sync::Arc;
 
@@ -110,8 +109,7 @@ fn innermost(labels: &Grid<u32>) -> Vec<[f32; 2]> {
     best.into_iter().map(|(_, place)| place).collect()
 }
 
-/// Adds the result of frame `t`: its segments, the largest first, the dominant motion, and the agreement with the true
-/// labels.
+/// Adds the result of frame `t`: its segments, the largest first, the dominant motion, and the agreement with the true labels.
 pub fn conclude(step: Step, clip: &Clip, t: usize, frame: &SegmentFrame) -> Step {
     let mut step = step.fact(value::SEGMENTS, frame.segments.len());
     let mut all: Vec<&Segment> = frame.segments.iter().collect();

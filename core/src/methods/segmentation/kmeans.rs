@@ -56,7 +56,7 @@ pub struct Trial {
     pub silhouette: Option<f64>,
 }
 
-/// Clusters a sample of `points` into 1, 2, … at most `most` clusters, as long as there are more distinct points.
+/// Clusters a sample of `points` into 1, 2, … at most `most` clusters, as long as there are enough distinct points.
 pub fn trials(points: &Points, most: usize, seed: usize) -> Vec<Trial> {
     let (sample, _) = points.sampled(COMPARED);
     let mut all = Vec::new();

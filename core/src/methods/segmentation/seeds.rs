@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn the_chance_of_a_point_goes_with_its_squared_distance() {
-        // One point at 1 and one at 2 from where half of all first seeds are drawn.
+        // One point at 1 and one at 2 from the place where half of all first seeds are drawn.
         let values: Vec<f32> = (0..1000)
             .map(|i| {
                 if i == 0 {

@@ -55,7 +55,7 @@ impl Views {
         vec![Canvas::of_clip(Picture::CURRENT), Canvas::of_clip(self.second())]
     }
 
-    /// The warning about views that seem to be swapped or not rectified, if there is one.
+    /// The warning about views that seem to be swapped or not rectified, if they do.
     pub fn warning(&self, disparities: usize) -> Option<String> {
         self.is_stereo.then(|| signs([self.left.luma(), self.right.luma()], disparities).warning()).flatten()
     }

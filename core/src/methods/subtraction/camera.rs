@@ -69,7 +69,7 @@ pub(crate) struct Camera {
     pub is_lost: bool,
 }
 
-/// A displacement below this length is no movement, in px: interpolation between pixels is no more exact.
+/// A displacement below this length is no movement, in px: interpolation is no more accurate.
 const AT_REST_PX: f32 = 0.1;
 
 impl Camera {
@@ -124,7 +124,7 @@ fn explains(pictures: [&Gray; 2], guess: [f32; 2], by: [f32; 2]) -> bool {
     old.0 == new.0 || new.1 < old.1
 }
 
-/// The difference in gray levels from which on a pixel belongs to something else.
+/// Difference in gray levels from which a pixel belongs to something else.
 const OTHER: u8 = 20;
 
 /// The mean truncated difference of a picture and the displaced one, at every second pixel of every second row.
@@ -146,7 +146,7 @@ fn truncated_difference([from, to]: [&Gray; 2], by: [isize; 2]) -> f64 {
 const BESIDE_PX: [[isize; 2]; 4] = [[8, 0], [-8, 0], [0, 8], [0, -8]];
 /// The greatest misfit of an aligned frame, as a share of that beside.
 const ALIGNED_MISFIT: f64 = 0.85;
-/// A misfit beside below this shows too little texture to tell, in gray levels.
+/// A neighbouring misfit below this means too little texture to decide, in gray levels.
 const LEAST_MISFIT: f64 = 6.0;
 
 /// Returns whether a picture fits another one better at a displacement than some px beside. A camera that was lost for a frame has a
@@ -256,7 +256,7 @@ fn match_block(pictures: [&Gray; 2], block: Block, near: [i32; 2], range: i32) -
             }
         }
     }
-    // The minimum must stand out of its neighbors by more than noise: two gray levels on average.
+    // The minimum must stand out from its neighbors by more than noise: two gray levels on average.
     let textured = least + least / 4 + 2 * (block.side * block.side) as u32;
     [0, 1].map(|axis| {
         let is_inside = (best[axis] - near[axis]).abs() < range;

@@ -34,7 +34,7 @@ pub(super) fn stage(event: &Event) -> Name {
 }
 
 impl<M: Background> Subtraction<M> {
-    pub(super) fn explain_step(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
         let (state, history) = (seen.before, MaskHistory::new(seen.events));
         let Some(event) = seen.events.last() else {
             let against = if self.0.setup().initial.is_some() { case::AGAINST_MODEL } else { case::AGAINST_FRAME };
@@ -195,7 +195,7 @@ fn put_exposure(step: Step, transfer: &Transfer) -> (Step, Cases) {
     let step = step.fact(value::EXPOSURE_CHANGE, transfer.median).put(value::EXPOSURE_SIZE, transfer.median.abs());
     let step = step.put(value::DARK_CHANGE, dark).put(value::BRIGHT_CHANGE, bright);
     let mut cases = vec![if transfer.median > 0.0 { case::BRIGHTER } else { case::DARKER }];
-    // They are told where they differ.
+    // They are told if they differ.
     cases.extend(((dark - bright).abs() >= 1.0).then_some(case::BY_LEVEL));
     cases.push(case::CORRECTED);
     (step, cases)

@@ -1,5 +1,4 @@
-//! The classification of a single pixel and the update of its model, and the explanation shared by the background
-//! models.
+//! The classification of a single pixel and the update of its model, and the explanation shared by the background models.
 
 use super::channels::{Channel, largest};
 use super::noise::NOISE_SIGMAS;

@@ -23,7 +23,7 @@ choices! {
     }
 }
 
-/// The number of background levels of one bin.
+/// The number of gray levels of the background in a bin.
 const BIN_LEVELS: usize = 16;
 const BINS: usize = 256 / BIN_LEVELS;
 /// The number of sampled pixels, at most.
@@ -205,7 +205,7 @@ mod tests {
             cells.filter(|at| frame.luma()[*at].abs_diff(background[*at]) > 2).count()
         };
         assert!(wrong(&corrected) < 90 && wrong(&frame) > 5000, "{} {}", wrong(&corrected), wrong(&frame));
-        // The object stays far from the background, the lightest of which is at 200.
+        // The object stays far from the background, the lightest part of which is at 200.
         assert!(corrected.luma()[(3, 3)] > 205, "{}", corrected.luma()[(3, 3)]);
     }
 

@@ -45,7 +45,7 @@ impl MaskHistory<'_> {
 }
 
 impl<M: Background> Subtraction<M> {
-    pub(super) fn draw_marks(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let history = MaskHistory::new(seen.events);
         if let (Some(model), Some(frame)) = (self.compared_model(seen), history.frame()) {
             scene.pictures = self.0.pictures(&model, frame.size());

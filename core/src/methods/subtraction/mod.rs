@@ -103,8 +103,7 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
     /// The parameters that background subtractions share.
     fn setup(&self) -> Setup;
 
-    /// Returns the model displaced by `by` px, whole ones unless each frame replaces it; uncovered pixels are
-    /// initialised with the frame.
+    /// Returns the model displaced by `by` px, whole ones unless each frame replaces it; uncovered pixels are initialised with the frame.
     fn moved(&self, model: &Self::Model, _by: [f32; 2], _frame: &Arc<Frame>) -> Self::Model {
         model.clone()
     }
@@ -472,7 +471,7 @@ impl<M: Background> Subtraction<M> {
             let difference = Grid::from_fn(width, height, |x, y| self.0.difference(model, &frame, (x, y)));
             Event::Compared(Arc::clone(&frame), Arc::new(difference))
         });
-        // Shake is judged by the model that the frame was compared with, not by what it has just learned.
+        // Shake is judged by the model with which the frame was compared, not by its update.
         let before =
             (M::IS_REPLACED || self.0.setup().steady.is_some_and(|steady| steady.shake > 0)).then(|| Arc::clone(model));
         let Found { mut mask, shadows } = self.0.subtract(Arc::make_mut(model), &frame, threads);
@@ -509,7 +508,7 @@ impl<M: Background> Subtraction<M> {
         let matched = |t: usize, frame: &ObjectFrame| Some(Matches::of(&(boxes(&truth(t)?), detected(frame))));
         let is_last = state.span.is_over(clip, t + 1);
         let run = is_last.then(|| {
-            // The first frame initialises the model: nothing is detected in it.
+            // The first frame initialises the model, so nothing is detected in it.
             let earlier = state.record.frames().iter().enumerate().skip(1);
             let all = earlier.map(|(i, frame)| matched(first + i, frame)).chain([matched(t, found)]);
             all.reduce(|a, b| Some(a?.and(b?))).flatten()
@@ -608,11 +607,11 @@ impl<M: Background> Estimator for Subtraction<M> {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        self.explain_step(seen)
+        self.explanation(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.draw_marks(seen, scene);
+        self.draw_step(seen, scene);
     }
 
     fn output(&self, state: &Self::State) -> Output {

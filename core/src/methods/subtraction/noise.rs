@@ -19,8 +19,8 @@ const LEAST_THRESHOLD: f32 = 8.0;
 /// The standard deviation of a normal distribution, as a multiple of its median absolute deviation.
 const SIGMA_OF_MAD: f32 = 1.4826;
 
-/// Returns the standard deviation of the noise of a frame difference, given its absolute values: most pixels are background, so the median
-/// absolute difference does not depend on objects (P. J. Rousseeuw and C. Croux, JASA 88, 1993).
+/// Returns the standard deviation of the noise of a frame difference, given its absolute values: most pixels are
+/// background, so objects do not affect the median absolute difference (P. J. Rousseeuw and C. Croux, JASA 88, 1993).
 pub fn noise_of(differences: impl Iterator<Item = u8>) -> f32 {
     let (mut counts, mut all) = ([0usize; 256], 0usize);
     differences.for_each(|difference| {

@@ -68,7 +68,7 @@ const SOLID_PX: usize = 1;
 /// A cast shadow lies beside its object. Gray clothes and gray cars on a gray ground pass the test of the colour, but lie within the object.
 pub fn enclosed(objects: &Mask, shadows: &Mask) -> Mask {
     let (width, height) = shadows.size();
-    // Only lines with shadow matter, which are few.
+    // Only lines with shadow matter, and they are few.
     let has_shadow = |y: &usize| shadows.row(*y).iter().any(|word| *word != 0);
     let rows: Vec<usize> = (0..height).filter(has_shadow).collect();
     let columns: Vec<usize> = (0..width).filter(|x| rows.iter().any(|y| shadows.get(*x, *y))).collect();

@@ -83,7 +83,7 @@ impl<M: Model> Variational<M> {
         let (Some(after), Some(note)) = (seen.after, self.noted(seen)) else { return step };
         let Settings { iterations, tolerance, .. } = self.settings();
         let is_last = seen.before.iteration + 1 == iterations;
-        // Beside the tolerance the change has one decimal more: the tolerance may be smaller than the decimals of a displacement.
+        // Beside the tolerance the change has one more decimal: the tolerance may be smaller than the decimals of a displacement.
         let (told, further) = match has_converged {
             _ if seen.point().is_some() => (None, 0),
             Some(true) if !after.is_done => (Some(case::CONVERGED), 1),

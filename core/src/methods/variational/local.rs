@@ -217,7 +217,7 @@ fn row(around: [[&[f32]; 3]; 2], factors: [&[f32]; 5], [u, v]: [&mut [f32]; 2]) 
     let width = u.len();
     let mut x = 0;
     while x < width {
-        // Separate output arrays let the compiler vectorise.
+        // Separate output arrays allow vectorisation.
         match lanes(around, factors, x) {
             Some(to) => {
                 u[x..x + LANES].copy_from_slice(&to[0]);

@@ -75,7 +75,7 @@ pub trait Model: Params + Default + Clone + Send + Sync + 'static {
     /// Does `count` iterations of a warp, starting at `from`.
     fn iterate(&self, warp: &Warp<Self>, from: &Self::Unknowns, count: usize, threads: &Threads) -> Self::Unknowns;
 
-    /// The same, with the mean change of the flow in the last of the iterations, in px.
+    /// The same, with the mean change of the flow in the last iteration, in px.
     fn iterate_measured(
         &self,
         warp: &Warp<Self>,

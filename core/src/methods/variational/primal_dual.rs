@@ -230,7 +230,7 @@ widest! {
 fn smooth([u, v]: [&mut [f32]; 2], factors: [&[f32]; 3], p: [[&[f32]; 3]; 2], weights: Weights) {
     let mut x = 0;
     while x < u.len() {
-        // Separate output arrays let the compiler vectorise.
+        // Separate output arrays allow vectorisation.
         match smoothed_lanes([u, v], factors, p, (x, weights)) {
             Some(to) => {
                 u[x..x + LANES].copy_from_slice(&to[0]);

@@ -16,7 +16,7 @@ use crate::scene::{Chart, Focus, Level, Question, Scene, Step};
 /// Numbers per pixel in [`Linear`].
 const LINEAR_PARTS: usize = 5;
 
-/// Iterations between two tests for cancellation, and their limit in pixels: some hundredths of a second.
+/// Iterations between two tests for cancellation, and their maximum in pixels: some hundredths of a second.
 const BATCH: usize = 128;
 const BATCH_PIXELS: usize = 40_000_000;
 

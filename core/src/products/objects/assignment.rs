@@ -145,7 +145,7 @@ fn of_table(costs: &Grid<f64>) -> Vec<Option<usize>> {
 
 /// Solves a dense table with at least as many columns as rows by shortest augmenting paths.
 fn shortest_paths((rows, columns): (usize, usize), cost: impl Fn(usize, usize) -> f64) -> Vec<Option<usize>> {
-    // Column `columns` stands for none: there each path begins.
+    // Column `columns` stands for no column: each path begins there.
     let mut row_price = vec![0.0; rows];
     let mut column_price = vec![0.0; columns];
     let mut row_of = vec![None; columns + 1];
@@ -184,7 +184,7 @@ fn shortest_paths((rows, columns): (usize, usize), cost: impl Fn(usize, usize) -
             }
             at = next;
         }
-        // Back along the path, each column takes the row of the one before.
+        // Back along the path, each column takes the row of the previous one.
         while at < columns {
             row_of[at] = row_of[from[at]];
             at = from[at];

@@ -89,7 +89,7 @@ pub fn k_best<E>(
             ranking.has_more = true;
             break;
         }
-        // The last one needs none after it, but one tells whether there are more.
+        // The last one needs none after it, but one more tells whether there are more.
         for row in node.fixed..node.choices.len() {
             if node.is_greedy || ranking.is_exhausted {
                 break;

@@ -123,7 +123,7 @@ fn counted(field: &ObjectField) -> Assessment {
     let frames = field.frames.len();
     let [tracks, from, of] = [objects, detections, frames].map(grouped);
     let text = format!("{tracks}, from {from} detections in {of} frames");
-    // Where frames are processed by themselves, there are no tracks to count.
+    // If frames are processed one by one, there are no tracks to count.
     let objects = (field.followed != Followed::Nothing).then_some(objects);
     let values = [frames.into(), detections.into(), objects.into()];
     let counted = match field.followed {

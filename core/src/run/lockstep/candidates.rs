@@ -53,8 +53,7 @@ impl Member {
         before.sum::<usize>() + here.map_or(0, |trail| trail.evaluations.partition_point(|&e| e <= event))
     }
 
-    /// The cursor of the member after candidate `seen` of its trails, with a new best seen; beyond the last one, at
-    /// their end.
+    /// The cursor of the member after candidate `seen` of its trails, with a new best seen; beyond the last one, at their end.
     fn stand(&self, mut seen: usize) -> Cursor {
         if seen == 0 {
             return Cursor::default();
@@ -103,7 +102,7 @@ pub(super) struct Candidates {
 }
 
 impl Candidates {
-    /// The runs of `estimators` on `frame`, at their start. Where the budget counts, each is run once on `threads`.
+    /// The runs of `estimators` on `frame`, at their start. For a budget, each is run once on `threads`.
     ///
     /// # Errors
     /// If they do not have the same blocks, or one cannot run.

@@ -138,7 +138,7 @@ pub fn paces(estimators: &[&dyn AnyEstimator]) -> Vec<Pace> {
     Pace::ALL.into_iter().filter(|pace| apart(estimators).is_none() && pace.suits(estimators)).collect()
 }
 
-/// The first of `estimators` that cannot go in lockstep with the leader.
+/// The first of `estimators` that cannot run in lockstep with the leader.
 fn apart<'a>(estimators: &[&'a dyn AnyEstimator]) -> Option<&'a dyn AnyEstimator> {
     let span = |estimator: &dyn AnyEstimator| estimator.info().granularities[0];
     let (leader, others) = estimators.split_first()?;
@@ -163,7 +163,7 @@ pub fn check(estimators: &[&dyn AnyEstimator]) -> Result<(), Error> {
     )))
 }
 
-/// The runs of `estimators` on `frame` in lockstep, at their start. Where the budget counts, each is run once on `threads`.
+/// The runs of `estimators` on `frame` in lockstep, at their start. For a budget, each is run once on `threads`.
 ///
 /// # Errors
 /// If they cannot go together, not at this pace, block searches do not have the same blocks, or one cannot run.

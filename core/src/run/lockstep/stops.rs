@@ -167,7 +167,7 @@ impl Stops {
                     let reached = self.members.iter().map(Member::stop).max().unwrap_or(0);
                     self.cursor.unit = reached.min(pending.goal.unit);
                     self.align(self.cursor.unit);
-                    // A run that ends before the goal is seen to its end.
+                    // A run that ends before the goal is followed to its end.
                     let event = if reached < pending.goal.unit { usize::MAX } else { pending.goal.event };
                     let goal = Cursor { unit: self.cursor.unit, event: event.min(self.events) };
                     Some(PendingMove { goal, phase: Phase::Within, member: 0, asked: None })
@@ -203,8 +203,7 @@ impl Stops {
         Ok(Some(pending))
     }
 
-    /// The step of member `index`. A click on its plots leads to an event of the current stop if its events are
-    /// stepped.
+    /// The step of member `index`. A click on its plots leads to an event of the current stop if its events are stepped.
     fn explain_member(&self, index: usize, focus: Option<Focus>) -> Step {
         let member = &self.members[index];
         let mut step = member.walk.step(in_frame_t(focus));
@@ -247,7 +246,7 @@ fn merged(stages: &[Vec<Name>]) -> Vec<Vec<usize>> {
     let mut events = vec![Vec::new(); stages.len()];
     loop {
         let heads = stages.iter().zip(&done).filter_map(|(stages, done)| stages.get(*done));
-        // A stage that another member has further behind has to wait.
+        // A stage that another member reaches later has to wait.
         let waits = |name: &&Name| {
             let behind = |(stages, done): (&Vec<Name>, &usize)| {
                 stages.get(*done).is_some_and(|head| head != *name)

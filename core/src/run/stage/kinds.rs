@@ -141,7 +141,7 @@ impl Makes for Tracks {
     const DECIDED: &'static [&'static str] = &[FRAMES];
     const PRODUCT: &'static ProductKind = ObjectField::KIND;
     const WORDS: &'static str = "tracks of objects";
-    // As a live camera would have it: what is analysed is what was seen.
+    // As a live camera would see it: the analysis uses the results known at the time.
     const DEFAULTS: &'static [(&'static str, &'static str)] = &[("backdate", "off"), ("interpolate", "off")];
 }
 
@@ -204,7 +204,7 @@ impl Makes for Keypoints {
     const ASKS: &'static str = "keypoints";
     const PRODUCT: &'static ProductKind = PointField::KIND;
     const WORDS: &'static str = "keypoints of single frames";
-    // The parent chooses among all that there are.
+    // The parent selects among all of them.
     const DEFAULTS: &'static [(&'static str, &'static str)] = &[("min-distance", "0"), ("max-points", "100000")];
 
     fn lacks(estimator: &dyn AnyEstimator) -> Option<&'static str> {

@@ -83,7 +83,7 @@ impl<M: Makes> Stage<M> {
     /// # Panics
     /// If there is none that makes what is asked for: ids are written in declarations.
     pub fn named(id: &str) -> Self {
-        // Whether it suits is not asked: that looks at all estimators, and this is how their defaults are made.
+        // Suitability is not checked here: that looks at all estimators, and this is how their defaults are made.
         #[expect(clippy::expect_used, reason = "ids stand in declarations, and a law tries all of them")]
         let entry = Course::entry(id).expect("a declared stage exists");
         Self { estimator: prepared::<M>((entry.make)()), makes: PhantomData }

@@ -17,7 +17,7 @@ use crate::scene::{Canvas, Focus, Link, Matrix, Picture, Readout, Role, Scene, S
 /// Largest number of rows drawn on the rectified pair.
 const ROWS: usize = 12;
 
-/// From this ratio of areas on, a rectified picture is mostly the surroundings of its epipole, and the rest of it a sliver.
+/// From this ratio of areas on, most of a rectified picture shows the surroundings of its epipole.
 const DISTORTED: f64 = 8.0;
 
 /// The symbols of the epipoles and the names of their frames.

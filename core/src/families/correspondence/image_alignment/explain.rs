@@ -11,7 +11,7 @@ use crate::run::Seen;
 use crate::scene::{Decimals, Matrix, Name, Picture, Readout, Role, Scene, Series, Shape, Step, Tile, Unit};
 use crate::{cases, variables};
 
-/// Mean endpoint error in px from which on an alignment is called wrong.
+/// Mean endpoint error in px from which an alignment is called wrong.
 const WRONG_PX: f64 = 0.5;
 
 variables! { pub(super) mod value;

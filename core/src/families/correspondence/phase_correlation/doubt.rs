@@ -1,4 +1,4 @@
-//! Evidence in the pictures against the highest peak: another displacement that fits better, or as well.
+//! Evidence in the pictures against the highest peak: another displacement that fits better, or equally well.
 
 use super::State;
 use crate::data::Mask;
@@ -19,7 +19,7 @@ const EDGE_PX: usize = 2;
 const FITS: f64 = 0.5;
 /// Texture of one direction has a structure tensor with a smaller ratio of eigenvalues, noise included.
 const ONE_DIRECTION: f64 = 0.7;
-/// A texture with an even smaller one has nothing else.
+/// A texture with an even smaller ratio has no other gradients.
 const PURE: f64 = 0.02;
 /// Texture of one direction changes along its edges by less than this share of its change across them.
 const ALONG: f64 = 0.5;
@@ -27,20 +27,20 @@ const ALONG: f64 = 0.5;
 const ALONG_PX: [i32; 2] = [4, 24];
 /// A displacement lies along the edges if its component across them is smaller, in px.
 const ON_EDGE_PX: f64 = 0.1;
-/// Displacements along the edges fit alike if their residuals differ by less than this share.
+/// Displacements along the edges fit equally well if their residuals differ by less than this share.
 const ALIKE: f64 = 0.1;
 /// A pattern repeats after a displacement if the residual rises between by more than this share of the contrast.
 const RISE: f64 = 0.25;
 /// Displacements this near to the highest peak are compared with it, at this distance from each other, in px.
 const NEAR_PX: [i32; 2] = [16, 2];
 
-/// Most pixels at which pictures are compared: the comparison must not take longer than the correlation.
+/// Maximum number of pixels at which pictures are compared, so that the comparison does not take longer than the correlation.
 const MOST_PLACES: usize = 1 << 13;
 
 /// Why the highest peak is not the translation of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Doubt {
-    /// Another peak leaves a much smaller residual: the highest one stands for a part of the picture, such as a border at rest.
+    /// Another peak leaves a much smaller residual: the highest one belongs to a part of the picture, such as a border at rest.
     Contradicted {
         /// The displacement of the other peak in px.
         other: [i32; 2],
@@ -62,7 +62,7 @@ pub(super) enum Doubt {
 }
 
 impl Doubt {
-    /// Whether the highest peak cannot be taken for the translation.
+    /// Whether it refutes that the highest peak is the translation.
     pub(super) fn is_refuting(&self) -> bool {
         !matches!(self, Self::Repeats { .. })
     }
@@ -103,7 +103,7 @@ impl Doubt {
         }
         let is_far = |other: [i32; 2]| (0..2).any(|i| (other[i] - at[i]).abs() > 2);
         let is_high = |other: [i32; 2]| 2.0 * state.height_at(other) > state.height_at(at);
-        // A smooth texture fits nearly as well beside its match, and never worse between.
+        // A smooth texture fits nearly as well near its match, and never worse in between.
         let on_the_way = |other: [i32; 2], part: f64| {
             residual([0, 1].map(|i| at[i] + (part * f64::from(other[i] - at[i])).round() as i32))
         };
@@ -143,8 +143,7 @@ fn peaks(state: &State) -> Vec<[i32; 2]> {
     peaks.into_iter().map(|(_, place)| state.wrapped(place)).collect()
 }
 
-/// The pixels informative about motion: all except flat ones that are equal in both frames, such as a border or caption
-/// at rest.
+/// The pixels informative about motion: all except flat ones that are equal in both frames, such as a border or caption at rest.
 fn informative_mask([from, to]: [&Gray; 2]) -> Mask {
     let (width, height) = from.size();
     let is_idle = |x: usize, y: usize| {

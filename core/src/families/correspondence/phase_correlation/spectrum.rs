@@ -8,7 +8,7 @@ use rustfft::{Fft, FftDirection, FftPlannerScalar};
 use super::Spectrum;
 use crate::geometry::{Gray, Grid};
 
-/// A peak this near to the highest one is part of it, in px.
+/// A peak this close to the highest one is part of it, in px.
 const APART_PX: usize = 2;
 
 /// The direction of a transform.
@@ -69,7 +69,7 @@ pub(super) fn peak(picture: &Spectrum, except: Option<(usize, usize)>) -> Option
     best
 }
 
-/// A picture of at most `most` cells a side: each is the largest value of those under it.
+/// A picture of at most `most` cells a side: each is the largest value of the cells under it.
 pub(super) fn reduced(picture: &Grid<f32>, most: usize) -> Grid<f32> {
     let factor = picture.width().max(picture.height()).div_ceil(most).max(1);
     let size = (picture.width().div_ceil(factor), picture.height().div_ceil(factor));

@@ -6,8 +6,7 @@ use crate::products::registration::{gray_at, inside};
 
 /// Side of the blocks that are compared, in px.
 const BLOCK: usize = 8;
-/// A block whose residual exceeds the change of its gray levels over this many px, beside noise, moves differently or
-/// has changed.
+/// A block whose residual exceeds the change of its gray levels over this many px, beside noise, moves differently or has changed.
 const OFF_PX: f64 = 0.75;
 const NOISE_LEVELS: f64 = 2.0;
 /// The residual must also be this many times that of the blocks that fit well, which have the same noise and exposure.

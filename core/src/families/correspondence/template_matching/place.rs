@@ -6,7 +6,7 @@ use super::{LEAST_PX, MOST_PX, Template, TemplateMatching};
 use crate::base::{Error, LANES, wide::wide};
 use crate::geometry::{Bounds, Gray, Grid};
 
-/// A peak this near to the best one is part of it, in px.
+/// A peak this close to the best one is part of it, in px.
 const APART_PX: usize = 2;
 /// Distances between blocks that compete for the template, as a part of their side.
 const STEPS: usize = 4;
@@ -109,7 +109,7 @@ fn add_products_of([above, row, below]: [&[u8]; 3], [xx, xy, yy]: &mut [Vec<i32>
     if last > 0 {
         add(last, [row[last - 1], row[last], above[last], below[last]]);
     }
-    // Slices of one length, so that the compiler checks none of them.
+    // Slices of equal length need no bounds checks.
     let inner = 1..last.max(1);
     let (left, right) = (&row[..inner.len()], &row[row.len() - inner.len()..]);
     let [up, down] = [above, below].map(|row| &row[inner.clone()]);
@@ -164,7 +164,7 @@ pub(super) fn not_above(costs: &[f64], mut least: f64, mut see: impl FnMut(usize
         }
     };
     for (i, group) in groups.iter().enumerate() {
-        // All of a group, so that the compiler makes vector instructions of it.
+        // Whole groups, which the compiler vectorises.
         if group.iter().fold(false, |any, cost| any | (*cost <= least)) {
             look(i * LANES, group, &mut least);
         }

@@ -86,7 +86,7 @@ fn draw_circle(scene: &mut Scene, circle: &Circle, stage: Stage, (width, height)
     for k in COMPASS {
         let text = number(k).to_string();
         let is_inside = |at: &[f32; 2]| at[0] >= 0.0 && at[1] >= 0.0 && at[0] < width as f32 && at[1] < height as f32;
-        // At the border of the picture there is room on the inner side only.
+        // At the picture border there is room on the inner side only.
         let at = Some(on_circle(k, 4.0 / 3.0)).filter(is_inside).unwrap_or_else(|| on_circle(k, 2.0 / 3.0));
         scene.mark(Picture::CURRENT, Role::Reference, Shape::Text { at, text });
     }

@@ -91,8 +91,7 @@ impl Sift {
         scene.pictures.push(Canvas::made(Picture::RESPONSE, make).of(measured));
     }
 
-    /// The part of the current octave around the pixel pointed at, else around the largest absolute value of its first
-    /// difference.
+    /// The part of the current octave around the pixel pointed at, else around the largest absolute value of its first difference.
     fn detail(&self, seen: &Seen<Self>, state: &State) -> Option<Detail> {
         let (octave, image) = last_of(state)?;
         let pixel_px = self.shape().pixel_px(state.space.octaves.len() - 1);
@@ -158,9 +157,9 @@ fn strongest(difference: &Grid<f32>) -> [usize; 2] {
     places.fold(None, largest).map_or([0; 2], |((x, y), _)| [x, y])
 }
 
-/// The absolute value that nearly all pixels stay below, so that the few largest do not leave the rest gray.
+/// An absolute value that nearly all pixels stay below, so that a few large ones do not leave the rest gray.
 fn scale_of(difference: &Grid<f32>) -> f32 {
-    /// 1 of 200 pixels lies beyond it.
+    /// 1 of 200 pixels exceeds it.
     const BEYOND: usize = 200;
     /// As many pixels, spread evenly, are enough for a share.
     const SAMPLES: usize = 40_000;

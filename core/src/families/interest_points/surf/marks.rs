@@ -152,7 +152,7 @@ fn draw_choice(seen: &Seen<Surf>, maxima: &[Maximum], scene: &mut Scene) {
         let all = maxima.iter().zip(&is_kept).filter(move |(_, other)| **other == status);
         all.map(|(maximum, _)| maximum.blob)
     };
-    // Circles of all maxima would hide those that are kept.
+    // Circles of all maxima would hide the kept ones.
     for (status, role, meaning) in [
         (None, Role::Candidate, "maximum, not yet tested"),
         (Some(false), Role::Rejected, "rejected by the minimum distance"),

@@ -241,7 +241,7 @@ fn residuals(step: Step, view: &View, pixel: (usize, usize), uv: [f32; 2]) -> St
 fn displacements(view: &View) -> Option<Readout> {
     let flow = view.flow?;
     let known = flow.0.cells().iter().enumerate().filter(|(_, uv)| uv.iter().all(|c| c.is_finite()));
-    // A sample of the pixels is shown.
+    // Only a sample of the pixels is shown.
     let step = (flow.0.cells().len() / 4000).max(1);
     let (pixels, uv): (Vec<usize>, Vec<[f32; 2]>) = known.step_by(step).map(|(i, uv)| (i, *uv)).unzip();
     let points = Points::new([0, 1].map(|i| uv.iter().map(|uv| uv[i]).collect()).into());

@@ -61,11 +61,11 @@ cases! { pub(super) over value, shared;
     LABELLED: "Each pixel takes the segment of its nearest trajectory.",
 }
 
-/// Affinity from which two trajectories are drawn as alike.
+/// Affinity from which two trajectories are drawn as similar.
 const ALIKE: f32 = 0.5;
 
 impl TrajectoryClustering {
-    pub(super) fn explain_step(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
         match seen.events.last() {
             None => Step::at(line::TRACK).say(case::OPENING),
             Some(Event::Tracked(compared)) => self.tell_tracks(seen, compared),
@@ -111,7 +111,7 @@ impl TrajectoryClustering {
         })
     }
 
-    pub(super) fn draw_marks(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
         scene.pictures = vec![Canvas::of_clip(Picture::CURRENT)];
         let compared = seen.after.or(Some(seen.before)).and_then(|state| state.compared.as_ref());
         let (Some(event), Some(compared)) = (seen.events.last(), compared) else { return };

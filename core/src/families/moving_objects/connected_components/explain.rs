@@ -188,7 +188,7 @@ impl Labels {
 }
 
 impl ConnectedComponents {
-    pub(super) fn explain_step(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
         let (state, labels) = (seen.before, Labels::new(seen));
         let Some(event) = seen.events.last() else { return Step::at(line::EACH_ROW).say(case::OPENING) };
         let at = |line| labels.put(Step::at(line), seen);
@@ -225,7 +225,7 @@ impl ConnectedComponents {
         step.show_all(forest).show_all(plots(&seen.after.unwrap_or(state).record, &state.span))
     }
 
-    pub(super) fn draw_marks(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let state = seen.before;
         match seen.events.last() {
             None => return,

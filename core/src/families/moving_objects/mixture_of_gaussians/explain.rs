@@ -143,7 +143,7 @@ impl MixtureOfGaussians {
     ) -> (Step, Cases) {
         let new = [value::NEW_WEIGHT, value::NEW_MEAN, value::NEW_SIGMA];
         let Some(matched) = matched else {
-            // Only a new mode begins at the level of the pixel: an older one would match.
+            // Only a new mode begins at the pixel's level: an older one would match.
             let Some(mode) = after.modes(place).into_iter().find(|mode| mode.mean == pixel) else {
                 return (step, vec![case::NO_NEW_MODE]);
             };
@@ -171,7 +171,7 @@ const CHANGES: [([&Variable; 2], [&Case; 2]); 3] = [
     ([value::SIGMA, value::NEW_SIGMA], [case::SIGMA_STAYS, case::SIGMA_GOES]),
 ];
 
-/// Whether two values of a step are written alike.
+/// Whether two values of a step are written the same way.
 fn is_same(step: &Step, of: [&Variable; 2]) -> bool {
     let [a, b] = of.map(|of| step.value(of).map(Value::bare));
     a == b

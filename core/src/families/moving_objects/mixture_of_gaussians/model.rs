@@ -168,7 +168,7 @@ struct Band<'a> {
     width: usize,
     most: usize,
     counts: &'a mut [u8],
-    /// Of each mode those of the groups.
+    /// For each mode, the planes of the groups.
     planes: Vec<&'a mut [f32]>,
     mask: &'a mut [u64],
     shadows: &'a mut [u64],
@@ -414,8 +414,8 @@ impl Mixture {
         Verdict { modes, is_foreground: foreground >> lane & 1 == 1, matched, shadow }
     }
 
-    /// Returns the distance of a pixel from the nearest background mode in σ; from the heaviest mode if none is background.
-    /// The heaviest modes whose weight adds up to `background` are the background.
+    /// Returns the distance of a pixel from the nearest background mode in σ; from the heaviest mode if none is
+    /// background. The background consists of the heaviest modes, whose weights add up to `background`.
     pub fn distance(&self, frame: &Frame, place: (usize, usize), background: f32) -> f32 {
         self.distance_of(self.value(frame, place), place, background)
     }
@@ -575,7 +575,7 @@ fn bits(is: impl Fn(usize) -> bool) -> u16 {
 
 /// Adjacent pixels of a row with their modes.
 struct Group<'a, 'b, const C: usize> {
-    /// Of each mode those of all groups, and where its own begin.
+    /// For each mode, the planes of all groups, with the index at which its own begin.
     planes: &'a mut [&'b mut [f32]],
     place: usize,
     most: usize,

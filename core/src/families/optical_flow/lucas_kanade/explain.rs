@@ -187,7 +187,7 @@ impl LucasKanade {
         let step = step.say(case::WINDOW);
         match texture {
             Texture::Unknown => step.say(case::ALL_OUTSIDE),
-            // The constraint of the pixel itself is unknown: the rest of the window decides nothing.
+            // The constraint of the pixel itself is unknown; the rest of the window does not determine its flow.
             Texture::Flat | Texture::Edge if !probe.linear.factors.is_known(probe.pixel) => {
                 step.say(case::PIXEL_OUTSIDE)
             }
@@ -314,7 +314,7 @@ impl LucasKanade {
 /// Marks windows without flow on the grid of the arrows.
 fn draw_textures(seen: &Seen<LucasKanade>, scene: &mut Scene) {
     let textures = seen.before.solutions(seen.events, |solution| solution.map(|solution| solution.texture));
-    // Every other grid point, so that the edge itself stays visible.
+    // Only every other grid point, so that the edge itself stays visible.
     let spacing = 2 * arrow_spacing(textures.size());
     let along = |extent: usize| (spacing / 2..extent).step_by(spacing);
     let places: Vec<_> = along(textures.height()).flat_map(|y| along(textures.width()).map(move |x| (x, y))).collect();

@@ -265,7 +265,7 @@ fn smoothing_energy(theta: f32, fitted: [f32; 2], divergence: [f32; 2]) -> impl 
 mod tests {
     use super::*;
 
-    /// Fails unless `energy` is smallest at `to`.
+    /// Asserts that `energy` is smallest at `to`.
     fn is_minimum(energy: impl Fn([f32; 2]) -> f32, to: [f32; 2]) {
         for [du, dv] in [[0.02, 0.0], [-0.02, 0.0], [0.0, 0.02], [0.0, -0.02], [0.015, 0.015], [-0.015, 0.015]] {
             assert!(energy(to) < energy([to[0] + du, to[1] + dv]), "{to:?}: ({du}, {dv})");

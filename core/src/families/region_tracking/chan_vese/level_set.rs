@@ -85,7 +85,7 @@ pub fn energy(phi: &Grid<f32>, levels: &Grid<f32>, means: [f32; 2], weights: &We
 /// neighbours of the step before): φ at the pixel is implicit, so that any time step is stable.
 pub fn evolved(phi: &Grid<f32>, levels: &Grid<f32>, means: [f32; 2], weights: &Weights) -> Grid<f32> {
     let (width, height) = phi.size();
-    // Diffusivities μ / |∇φ| between a pixel and its neighbours to the right and below, of this row and of the one above.
+    // Diffusivities μ / |∇φ| between a pixel and its right and lower neighbours, for this row and the row above.
     let mut right = vec![0.0f32; width];
     let [mut below, mut above] = [vec![0.0f32; width], vec![0.0f32; width]];
     let mut next = Grid::new(width, height, 0.0);
@@ -99,7 +99,7 @@ pub fn evolved(phi: &Grid<f32>, levels: &Grid<f32>, means: [f32; 2], weights: &W
         let last = width - 1;
         for (x, (target, level)) in next.row_mut(y).iter_mut().zip(levels.row(y)).enumerate() {
             let here = rows[1][x];
-            // Across the border of the window nothing flows: the neighbour there has the same value.
+            // No flow across the border of the window: the neighbour there has the same value.
             let left = if x > 0 { right[x - 1] } else { 0.0 };
             let flow = right[x] * rows[1][(x + 1).min(last)]
                 + left * rows[1][x.saturating_sub(1)]

@@ -1,5 +1,5 @@
-//! The appearance of the region in the first frame, which the filter forgets as it is updated: a filter that has learnt the ground
-//! behind the object answers to it with as high a peak.
+//! The appearance of the region in the first frame, which the filter forgets as it is updated: a filter that has learnt
+//! the ground behind the object responds to it with an equally high peak.
 
 use crate::base::effort;
 use crate::geometry::{Border, Gray, Grid};
@@ -17,9 +17,9 @@ const SIGMA_OF_MAD: f64 = 1.4826;
 const SHIFT_PX: isize = 2;
 /// A box with a smaller ZNCC no longer shows the pattern of the first frame.
 const LEAST_ZNCC: f64 = 0.3;
-/// Gray levels as similar as this to the surroundings are those of the surroundings.
+/// Gray levels at least this similar to the surroundings are taken for the surroundings.
 const LIKE: f64 = 0.9;
-/// The gray levels are those of the surroundings rather than those of the object if the coefficients differ by more than this.
+/// The gray levels match the surroundings rather than the object if the coefficients differ by more than this.
 const APART: f64 = 0.1;
 
 /// The shares of gray levels, relative to median and deviation of the surroundings, which a change of light changes alike.
@@ -42,12 +42,12 @@ pub struct Evidence {
 }
 
 impl Evidence {
-    /// Whether the pattern of the first frame is not found any more: the object has changed, is covered, or is not there.
+    /// Whether the pattern of the first frame is no longer found: the object has changed, is covered, or is absent.
     pub fn is_unlike(&self) -> bool {
         self.zncc.is_some_and(|zncc| zncc < LEAST_ZNCC)
     }
 
-    /// Whether the box holds what is around it and not the object.
+    /// Whether the box shows the surroundings and not the object.
     pub fn is_gone(&self) -> bool {
         let [object, around] = self.coefficients;
         self.zncc.is_none_or(|zncc| zncc < LEAST_ZNCC) && around > LIKE && around - object > APART
@@ -92,7 +92,7 @@ impl Appearance {
         let count = (0..height).map(|y| columns(y, (width, height)).len()).sum::<usize>().max(1) as f64;
         let [aa, ab, bb] = products.map(|sum| sum / count);
         let [a, b] = sums.map(|sum| sum / count);
-        // Of whole gray levels, so that a uniform box has less than that of a single pixel.
+        // Whole gray levels, so that a uniform box has less variance than a single pixel.
         let variances = [aa - a * a, bb - b * b];
         variances.iter().all(|variance| *variance >= 1.0).then(|| (ab - a * b) / (variances[0] * variances[1]).sqrt())
     }

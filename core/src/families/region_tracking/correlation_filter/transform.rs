@@ -114,7 +114,7 @@ impl Transform {
                     both[i % 2].im.0[i / 2] = value.im.0[k % LANES];
                 }
                 let [first, second] = both;
-                // The mirror first: where it is the same frequency, both are equal.
+                // The mirror first: if it is the same frequency, both are equal.
                 pairs[(width - k) % width] = first.conj() + turned(second.conj());
                 pairs[k] = first + turned(second);
             }

@@ -67,7 +67,7 @@ pub struct Meter<'a> {
     lanes: [Lane; 2],
 }
 
-/// The count of one ellipse.
+/// The count for one ellipse.
 struct Lane {
     /// Number of pixels in each bin; 0 between ellipses.
     counts: Vec<u8>,
@@ -86,14 +86,14 @@ impl Lane {
     fn count(&mut self, place: usize, cells: &[u16], Likelihood { roots, steps, .. }: &Likelihood) {
         let Some(&bin) = cells.get(self.positions[place] as usize) else { return };
         let pixels = &mut self.counts[usize::from(bin)];
-        // Adding to √c what leads to √(c + 1) spares a pass over the bins.
+        // Adding the difference from √c to √(c + 1) saves a pass over the bins.
         self.sum += roots[usize::from(bin)] * steps[usize::from(*pixels)];
         *pixels += 1;
         self.seen[self.found] = bin;
         self.found += 1;
     }
 
-    /// The coefficient of the ellipse, which ends.
+    /// Returns the coefficient of the finished ellipse.
     fn end(&mut self) -> f32 {
         let found = std::mem::take(&mut self.found);
         self.seen[..found].iter().for_each(|bin| self.counts[usize::from(*bin)] = 0);

@@ -1,4 +1,4 @@
-//! The wheel of a resampling: an arc for each particle, as long as its weight, and the pointers that choose the copies.
+//! The wheel of a resampling: an arc for each particle, as long as its weight, and the pointers that select the copies.
 
 use super::{Resampled, Resampling};
 use crate::base::words::{counted, grouped};

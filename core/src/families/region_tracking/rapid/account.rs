@@ -1,4 +1,4 @@
-//! The poses of a run: how many are wrong where the true ones are known, and how well their edges fit where they are not.
+//! The poses of a run: the number of wrong ones if the truth is known, and the fit of their edges if it is not.
 
 use super::vocabulary::{case, value};
 use super::{Judged, Pose};

@@ -167,7 +167,7 @@ pub fn equations(all: &[Sought], sight: &Sight) -> Equations {
         squares += distance * distance;
     }
     if let Some(axis) = sight.axis {
-        // As strong as all edges together, which do not see it.
+        // As strong as all edges together, which are insensitive to it.
         let strength: f64 = (0..3).map(|i| matrix[i * FREEDOM + i]).sum();
         (0..3).for_each(|i| (0..3).for_each(|j| matrix[i * FREEDOM + j] += strength * axis[i] * axis[j]));
     }
@@ -194,7 +194,7 @@ pub fn covariance(all: &[Sought], sight: &Sight) -> Option<Vec<f64>> {
     let weighed = |s: &Sought| Some([s.weight, s.weight * residual(s, &sight.camera, &motion)?.powi(2)]);
     let [weights, squares] = all.iter().filter_map(weighed).fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d]);
     let free = (FREEDOM - usize::from(sight.axis.is_some())) as f64;
-    // Edges beyond the parameters, each with its weight; at least one.
+    // Edges beyond the number of parameters, each with its weight; at least one.
     let variance = squares / (weights - free).max(1.0);
     let mut entries = vec![0.0; FREEDOM * FREEDOM];
     for j in 0..FREEDOM {
@@ -206,7 +206,7 @@ pub fn covariance(all: &[Sought], sight: &Sight) -> Option<Vec<f64>> {
     Some(entries)
 }
 
-/// Takes the rotation about an axis out of a covariance, in which it stands by the term that holds it alone.
+/// Removes the rotation about an axis from a covariance, where it is fixed by the constraint alone.
 fn hold(covariance: &mut [f64], axis: Vector) {
     // Entries in a row follow each other, those in a column are a row apart.
     for (line, entry) in [(FREEDOM, 1), (1, FREEDOM)] {

@@ -10,9 +10,9 @@ use crate::methods::alignment::explain::{hessian, parameter_vectors, steepest_de
 use crate::methods::region::{At, Ending, Explained, Loss, Outcome};
 use crate::scene::{Case, Matrix, Readout, Role, Scene, Step};
 
-/// The visible share of an object from which on nothing covers it: the rest are pixels at its outline.
+/// The visible share of an object from which it counts as uncovered: the rest are pixels at its outline.
 const VISIBLE: f64 = 0.97;
-/// The motion between two frames, as a share of the shorter side of the object, from which on it is far for the iterations.
+/// The motion between two frames, as a share of the shorter side of the object, from which it counts as far for the iterations.
 const FAR: f64 = 0.3;
 
 impl Explained for TemplateTracker {

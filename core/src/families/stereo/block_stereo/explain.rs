@@ -52,7 +52,7 @@ impl BlockStereo {
         Pair { views: &fixed.views, pixel, reach: self.window, disparities: self.settings.disparities }
     }
 
-    pub(super) fn explain_step(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
         let Some(shown) = self.shown(seen) else {
             return starting(Step::at(line::TAKE_VIEWS), &seen.before.fixed.views, &self.settings);
         };
@@ -145,7 +145,7 @@ impl BlockStereo {
         ]
     }
 
-    pub(super) fn draw_marks(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
         scene.pictures = seen.before.fixed.views.canvases();
         let meaning = "disparity in px, so far";
         draw_map(scene, seen.before.map(seen.events), self.settings.disparities, meaning);

@@ -57,7 +57,7 @@ impl SceneFlow {
         Shown { field, pixel }
     }
 
-    pub(super) fn explain_step(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
         let Some(event) = seen.events.last() else { return starting(seen) };
         let shown = self.shown(seen);
         let step = match event {

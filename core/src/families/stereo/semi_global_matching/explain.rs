@@ -10,7 +10,7 @@ use crate::run::Seen;
 use crate::scene::{Readout, Role, Step};
 
 impl SemiGlobalMatching {
-    pub(super) fn explain_step(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
         let Some(shown) = self.shown(seen) else {
             let views = &seen.before.fixed.views;
             return starting(Step::at(line::TAKE_VIEWS), views, &self.settings).say(case::OPENING);

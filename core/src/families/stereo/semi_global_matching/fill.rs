@@ -46,8 +46,7 @@ pub fn nearest(kept: &[Kept], width: usize) -> Vec<(usize, [f32; 8])> {
 
 /// Calls `found` for each pixel without a disparity with the nearest ones to the left, above left, above and above right.
 fn sweep(disparities: impl Iterator<Item = f32>, width: usize, mut found: impl FnMut([f32; 4])) {
-    // The values passed on along each direction by the pixels of the row above and of this row, with one outside on
-    // either side.
+    // The values passed on along each direction by the pixels of the row above and of this row, with one outside on either side.
     let mut rows = [(); 2].map(|()| vec![[f32::NAN; 4]; width + 2]);
     for (index, disparity) in disparities.enumerate() {
         let x = index % width + 1;

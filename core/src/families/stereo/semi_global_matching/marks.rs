@@ -12,7 +12,7 @@ use crate::run::Seen;
 use crate::scene::{Canvas, Picture, Role, Scene, Shape};
 
 impl SemiGlobalMatching {
-    pub(super) fn draw_marks(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let state = seen.after.unwrap_or(seen.before);
         scene.pictures = seen.before.fixed.views.canvases();
         let meaning = if state.kept.is_empty() { "disparity of least cost so far, in px" } else { "disparity in px" };

@@ -52,7 +52,7 @@ impl Shown<'_> {
         loop {
             let costs = self.costs_on_path(of, at);
             let mut line = Line::outside(1, depth);
-            // A path may be longer than sums have room for.
+            // A path may be longer than the sums have room for.
             sums.fill(0);
             let job = Job {
                 dx: 0,
@@ -64,13 +64,13 @@ impl Shown<'_> {
             };
             paths::follow(job);
             if at == (self.pixel.0 as isize, self.pixel.1 as isize) {
-                let told =
+                let path_costs =
                     |line: &Line, x: usize| line.at(0)[..of.last(x) + 1].iter().map(|cost| u32::from(*cost)).collect();
                 let came_from = (at.0 - dx) as usize;
                 return Path {
                     from: (from.0 as usize, from.1 as usize),
-                    costs: told(&line, self.pixel.0),
-                    before: last.map(|()| told(&before, came_from)),
+                    costs: path_costs(&line, self.pixel.0),
+                    before: last.map(|()| path_costs(&before, came_from)),
                 };
             }
             (before, last) = (line, Some(()));

@@ -337,9 +337,9 @@ mod tests {
         assert_eq!(parts(&[a, b], &[(13.0, 10.0), (1.0, 10.0)]), [(vec![0], vec![1]), (vec![1], vec![0])]);
         assert_eq!(parts(&[a, b], &[(0.0, 22.0)]), [(vec![0, 1], vec![0])]);
         assert_eq!(parts(&[(0.0, 22.0)], &[a, b]), [(vec![0], vec![0, 1])]);
-        // Boxes that overlap crosswise still have a blob each.
+        // Boxes that cross each other still have a blob each.
         assert_eq!(parts(&[a, (4.0, 10.0)], &[(3.0, 10.0), (1.0, 10.0)]), [(vec![0], vec![1]), (vec![1], vec![0])]);
-        // Nothing overlaps: the nearest within 30 px, each once.
+        // Without overlap the nearest blob within 30 px is taken, each at most once.
         assert_eq!(parts(&[a, (70.0, 10.0)], &[(25.0, 10.0)]), [(vec![0], vec![0]), (vec![1], vec![])]);
         assert_eq!(parts(&[a], &[(45.0, 10.0)]), [(vec![0], vec![])]);
     }
@@ -356,7 +356,7 @@ mod tests {
     fn gray_is_the_mean_of_the_pixels_in_the_box() {
         let picture = Grid::from_fn(6, 4, |x, y| (10 * x + y) as u8);
         let all = Bounds { min: [-9.0; 2], max: [99.0; 2] };
-        // One box is summed up by itself; for many of them all pixels are.
+        // A single box is summed directly; for many boxes the integral image is computed.
         for boxes in [vec![], vec![all; 9]] {
             let grays = BoxMeans::new(&picture, boxes.iter());
             let of = |min, max| grays.mean(&Bounds { min, max });

@@ -29,7 +29,7 @@ fn tracks_of(tracked_blobs: &[TrackedBlob]) -> usize {
 }
 
 impl BlobTracker {
-    pub(super) fn explain_step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
+    pub(super) fn explanation(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
         let run = &seen.after.unwrap_or(seen.before).run;
         let decision = match seen.events.last().map(|event| &event.0) {
             Some(EventKind::Decided(decision)) => Some(&**decision),

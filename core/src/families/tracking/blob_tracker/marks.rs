@@ -14,7 +14,7 @@ use crate::run::Seen;
 use crate::scene::{Arrow, Picture, Role, Scene, Shape};
 
 impl BlobTracker {
-    pub(super) fn draw_marks(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
+    pub(super) fn draw_step(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
         let detected = seen
             .events
             .iter()

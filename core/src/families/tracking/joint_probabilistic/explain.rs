@@ -24,7 +24,7 @@ use crate::scene::{Arrow, Name, Picture, Readout, Role, Scene, Shape, Step, Unit
 const LISTED: usize = 4;
 
 impl JointProbabilistic {
-    pub(super) fn explain_step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
+    pub(super) fn explanation(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
         let tables = match seen.events.last() {
             Some(Event::Validated(validation)) => validation_table(validation).into_iter().collect(),
             Some(Event::Enumerated(validation, joint)) => event_tables(validation, joint),
@@ -149,7 +149,7 @@ impl JointProbabilistic {
         }
     }
 
-    pub(super) fn draw_marks(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
+    pub(super) fn draw_step(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
         let detected = match seen.events.first() {
             Some(Event::Detected(all, _)) => &all[..],
             _ => &[],

@@ -16,7 +16,7 @@ const MOST_MISSED: usize = 2;
 /// The greatest change of a displacement, as a share of it, and in px.
 const CHANGE: f64 = 0.35;
 const CHANGE_PX: f64 = 3.0;
-/// The uncertainty of a blob's position, as a share of its shorter side: where it touches something else, that moves its centroid.
+/// The uncertainty of a blob's position, as a share of its shorter side: contact with something else moves its centroid.
 const BLUR_SIDES: f64 = 0.25;
 
 /// A blob that moves: its frame, counted from the current one, its index there, and the length of its motion.
@@ -57,7 +57,7 @@ impl KalmanFilter {
             let length_px = longest(&frames[frame..], index);
             (length_px > 0.0).then_some(ConsistentObject { frame, index, length_px })
         });
-        // Of equal motions the first one.
+        // Of equal motions, the first.
         Ok(moving.reduce(|best, blob| if blob.length_px > best.length_px { blob } else { best }))
     }
 }

@@ -70,7 +70,7 @@ impl KalmanFilter {
         now
     }
 
-    pub(super) fn explain_step(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
         let now = self.now(seen);
         let Some(event) = seen.events.last() else {
             return self.add_charts(self.facts(Step::at(line::EACH_FRAME), seen, &now).say(case::OPENING), seen, &now);

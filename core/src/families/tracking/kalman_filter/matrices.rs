@@ -130,7 +130,7 @@ pub(super) fn matrices<'a>(
     current: Option<(&Filter, Role)>,
     records: impl DoubleEndedIterator<Item = &'a FrameRecord>,
 ) -> Vec<Matrix> {
-    // Of the same track, the latest first.
+    // Records of the same track, the latest first.
     let mut earlier = Vec::new();
     for record in records.rev() {
         earlier.push(record);

@@ -18,7 +18,7 @@ use crate::run::Seen;
 use crate::scene::{Arrow, Name, Picture, Readout, Role, Scene, Shape, Step, Unit};
 
 impl KalmanTracker {
-    pub(super) fn explain_step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
+    pub(super) fn explanation(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
         let run = &seen.after.unwrap_or(seen.before).run;
         let step = self.tell_event(seen);
         let is_of_track = track_of(seen).is_some();
@@ -190,7 +190,7 @@ impl KalmanTracker {
         }
     }
 
-    pub(super) fn draw_marks(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
+    pub(super) fn draw_step(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
         let detected = match seen.events.first() {
             Some(Event::Detected(all, _)) => &all[..],
             _ => &[],
@@ -271,7 +271,7 @@ mod tests {
             let scene = Scene::default();
             question.answer(Shown { step, scene: &scene }, Shown { step, scene: &scene })
         };
-        // A new track is as uncertain as a measurement, an updated one less, and a predicted one more.
+        // A new track is as uncertain as a measurement, an updated one less so, and a predicted one more.
         let begun = tracker.begun(&found(100.0), 1);
         let (once, half) = updated(&tracker, &begun, &found(104.0));
         assert_eq!(half.value(value::GAIN).and_then(Value::rounded), Some(0.5));

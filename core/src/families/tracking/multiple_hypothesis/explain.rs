@@ -16,7 +16,7 @@ use crate::run::Seen;
 use crate::scene::{Arrow, Case, Name, Readout, Role, Scene, Step, Unit};
 
 impl MultipleHypothesis {
-    pub(super) fn explain_step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
+    pub(super) fn explanation(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
         let tables = match seen.events.last() {
             Some(Event::Gated(gates)) => distances(gates).into_iter().collect(),
             Some(Event::Expanded(_, expansion)) => branch_tables(expansion),
@@ -145,7 +145,7 @@ impl MultipleHypothesis {
         .formula(r"\ln P = \ln (c P) - \ln c = {ln_weight} - {ln_sum} = {ln_probability}, P = {probability}")
     }
 
-    pub(super) fn draw_marks(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
+    pub(super) fn draw_step(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
         let detected = match seen.events.first() {
             Some(Event::Detected(all, _)) => &all[..],
             _ => &[],

@@ -290,8 +290,7 @@ mod tests {
     use crate::data::Detection;
     use crate::methods::multi_object::{dynamics::Dynamics, lifecycle::Rules};
 
-    /// A cluster of this many tracks in 3 scans: the first hypothesis has all but the last track, which only the second
-    /// one has.
+    /// A cluster of this many tracks in 3 scans: the first hypothesis has all but the last track, which only the second one has.
     fn cluster(count: u32) -> Cluster {
         let found = Detection {
             bounds: Bounds::around([9.0; 2], [8.0; 2]),
@@ -342,7 +341,7 @@ mod tests {
 
     #[test]
     fn many_tracks_are_split_off_as_well() {
-        // It takes some milliseconds; comparing each track with all others would take a minute.
+        // This takes some milliseconds; comparing each track with all others would take a minute.
         assert_eq!(cluster(40_000).split().len(), 40_000);
     }
 }

@@ -48,7 +48,7 @@ impl Tree {
         };
         let all = cluster.hypotheses.iter().map(|one| leaf(one, kept, false));
         let mut leaves: Vec<Leaf> = all.chain(deleted.iter().map(|one| leaf(one, 1.0, true))).collect();
-        // The leader stays the first, even where rounding makes another one more probable.
+        // The leader stays first, even if rounding makes another one more probable.
         if let Some((_, others)) = leaves.split_first_mut() {
             others.sort_by(|a, b| b.probability.total_cmp(&a.probability));
         }
@@ -92,7 +92,7 @@ impl Tree {
         diagram.size = [width, rows as f32 + 1.5 + notes.len() as f32];
         diagram.words.extend(notes.into_iter().enumerate().map(note));
         let frame = |(i, frame): (usize, &usize)| Words {
-            // Named once: the columns may be narrow.
+            // Named once, because the columns may be narrow.
             text: if i == 0 { format!("frame {frame}") } else { frame.to_string() },
             role: None,
             at: [column(i + 1), 0.4],
@@ -191,8 +191,7 @@ impl Drawing<'_> {
         }
     }
 
-    /// Draws a node, and beside a leaf its probability, its claims about the last frame, and the reason for its
-    /// deletion.
+    /// Draws a node, and beside a leaf its probability, its claims about the last frame, and the reason for its deletion.
     fn node(&mut self, (depth, height): (usize, f32), group: &[usize]) {
         let (role, is_faded) = self.look(group);
         let at = [column(depth), height];

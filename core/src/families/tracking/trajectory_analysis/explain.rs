@@ -122,7 +122,7 @@ cases! { pub(super) over value;
 }
 
 impl TrajectoryAnalysis {
-    pub(super) fn explain_step(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
         let (state, t, subject) = (seen.after.unwrap_or(seen.before), frame_of(seen.before), self.subject(seen));
         let at = |line| {
             let step = self.put_counts(Step::at(line).fact(value::FRAME, t), seen);

@@ -12,7 +12,7 @@ use crate::scene::{Arrow, Picture, Role, Scene, Shape};
 const TRAIL_FRAMES: usize = 40;
 
 impl TrajectoryAnalysis {
-    pub(super) fn draw_marks(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
         scene.is_overview = seen.after.is_some() && seen.point().is_none();
         let all = now(seen);
         if let Some(Event::Learned(directions)) = seen.events.last() {
@@ -49,7 +49,7 @@ impl TrajectoryAnalysis {
         }
     }
 
-    /// Draws lines and zones with their counts, and with their numbers where there are several.
+    /// Draws lines and zones with their counts, and with their numbers if there are several.
     fn draw_places(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let zones = self.zones.all();
         for (i, Bounds { min, max }) in zones.iter().enumerate() {

@@ -8,7 +8,7 @@ use super::{CIRCLE, COMPASS, LANES, Lanes, RADIUS, Rows, Tested};
 /// Tests the pixels from column `x` on.
 #[target_feature(enable = "avx2")]
 pub fn test<const ARC: usize, const COMPASS_POINTS: usize>(rows: &Rows, x: usize, threshold: u8) -> Option<Tested> {
-    // Of one length known to the compiler, so that no further check is needed.
+    // The length is known to the compiler, so that no further check is needed.
     let mut around = [&[0; SPAN]; 2 * RADIUS + 1];
     for (around, row) in around.iter_mut().zip(rows) {
         *around = row[x - RADIUS..].first_chunk()?;

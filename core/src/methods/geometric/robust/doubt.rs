@@ -52,7 +52,7 @@ fn false_alarms_log(n: usize, [k, all]: [usize; 2], share: f64) -> f64 {
     if k < n || k > all {
         return f64::INFINITY;
     }
-    // With no other match there is nothing that could disagree.
+    // Without another match there is nothing to disagree.
     let tests = ((all - n).max(1) as f64).ln();
     tests + choose(all, k) + choose(k, n) + (k - n) as f64 * share.clamp(1e-12, 1.0).ln()
 }
@@ -127,7 +127,7 @@ mod tests {
             panic!("5 of 40 may be chance")
         };
         assert!((7..12).contains(&needed), "{needed}");
-        // Four of four through which the model passes anyway say nothing.
+        // Four matches that the model passes through by construction are no evidence.
         assert!(Doubt::by_chance(4, [4, 4], share).is_some());
         assert_eq!(Doubt::by_chance(1, [2, 2], share), None);
     }

@@ -203,7 +203,7 @@ fn tell_doubt(step: Step, doubt: Doubt, state: &State) -> Step {
     }
 }
 
-/// Whether an event belongs to no iteration: to the fit to all inliers after them, or to the end without a model.
+/// Whether an event belongs to no iteration: to the final fit to all inliers, or to the end without a model.
 pub(super) fn is_last(event: &Event) -> bool {
     !matches!(
         event,

@@ -215,7 +215,7 @@ struct Fixed {
 /// An event of a unit.
 #[derive(Clone, Debug)]
 pub enum Event {
-    /// There are fewer matches at distinct positions than the model needs, or none of the samples determines it.
+    /// There are fewer matches at distinct positions than the model needs, or no sample determines it.
     TooFew,
     /// A sample is drawn.
     Sample(Vec<usize>),
@@ -229,14 +229,13 @@ pub enum Event {
     Local(Matrix3, Score),
     /// The hypothesis is the best so far; the number of iterations needed with it.
     Best(Samples),
-    /// The best hypothesis was compared with this many models through samples of its inliers; the best of all, and its
-    /// score.
+    /// The best hypothesis was compared with this many models through samples of its inliers; the best of all, and its score.
     Resampled(usize, Matrix3, Score),
     /// The model was fitted to all inliers, which lowers its cost.
     Refit(Matrix3, Score),
     /// A fit to all inliers does not lower the cost of the model, which stays.
     Kept(Matrix3, Score),
-    /// The model is not kept, because its inliers do not support it.
+    /// The model is rejected, because its inliers do not support it.
     Doubted(Doubt),
     /// A step that follows from the final model, by its index.
     Sequel(usize, Best),
@@ -246,11 +245,11 @@ pub enum Event {
 const LOCAL_ROUNDS: usize = 3;
 /// Most samples of the inliers of the best hypothesis.
 const RESAMPLES: usize = 50;
-/// Samples in succession that lead to the same cost, after which no further one is drawn.
+/// Number of successive samples with the same cost after which no further one is drawn.
 const RESAMPLES_ALIKE: usize = 5;
-/// Largest relative difference of the same cost.
+/// Largest relative difference of costs that count as equal.
 const ALIKE: f64 = 0.01;
-/// Rounds of the final fit, each to the inliers of the one before.
+/// Rounds of the final fit, each to the inliers of the previous one.
 const FINAL_ROUNDS: usize = 8;
 
 impl State {
@@ -298,7 +297,7 @@ impl<M: RobustModel> Robust<M> {
 
     /// Replaces a share of the matches by random ones.
     fn replace_some(&self, matches: &mut [Match], (width, height): (usize, usize)) {
-        /// Apart from the numbers of the samples.
+        /// A stream of its own, apart from the samples'.
         const STREAM: u64 = 0x6f75_746c;
         let Settings { seed, outliers, .. } = *self.0.settings();
         for (i, found) in matches.iter_mut().enumerate() {
@@ -391,7 +390,7 @@ impl<M: RobustModel> Robust<M> {
 
     /// Compares the best hypothesis with models through samples of its inliers, each fitted to its own inliers again.
     fn resample(&self, points: &[Correspondence], mut best: Best, observer: &mut impl Observer<Event>) -> Best {
-        /// Apart from the numbers of the other samples.
+        /// A stream of its own, apart from the other samples'.
         const STREAM: u64 = 0x696e_6e65;
         let Settings { scoring, seed, .. } = *self.0.settings();
         if scoring != Scoring::LoRansac || self.0.resample_size() == 0 {

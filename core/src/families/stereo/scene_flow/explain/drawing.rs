@@ -14,7 +14,7 @@ use crate::scene::{Arrow, Canvas, Link, Picture, Role, Scene, Shape, Viewpoint};
 const RIGHT_NEXT: Picture = Picture { viewpoint: Viewpoint::Right, ..Picture::NEXT };
 
 impl SceneFlow {
-    pub(in super::super) fn draw_marks(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(in super::super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let state = seen.after.unwrap_or(seen.before);
         let is_stereo = seen.before.fixed.depths == Depths::Stereo;
         let Some(event) = seen.events.last() else {
@@ -56,7 +56,7 @@ impl SceneFlow {
                 let depth = |pixel| field.position(pixel).map(|at| at[2]).filter(|_| is_done(pixel));
                 if field.calibration.is_some() {
                     map(scene, field.grid(depth), Picture::CURRENT, "depth in m", "depth (m)");
-                    // A far background leaves differences to what is near.
+                    // A distant background leaves room for differences nearby.
                     scene.heat_scale = field.typical_depth_m().map(|depth| [0.0, 2.0 * depth as f32]);
                 }
             }

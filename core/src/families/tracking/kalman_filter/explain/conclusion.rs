@@ -55,7 +55,7 @@ impl KalmanFilter {
     /// Adds the errors beside the truth and the mean NIS with its band at the end of a run.
     pub(super) fn errors(&self, step: Step, seen: &Seen<Self>) -> Step {
         let Some(state) = self.ended(seen) else { return step };
-        // Only frames with an accepted measurement compare the filter with its sensor: a rejected one may be that of another object.
+        // Only frames with an accepted measurement compare the filter with its sensor: a rejected one may belong to another object.
         let accepted_in = |record: &FrameRecord| record.of_sensor(0).filter(|gated| gated.is_inside()).copied();
         let rmse = |of: &dyn Fn(&FrameRecord) -> Option<[f64; 2]>| {
             let errors = state.records.iter().filter_map(|record| Some(distance(of(record)?, record.truth?)));
@@ -90,7 +90,7 @@ impl KalmanFilter {
             None => step,
         };
         let share = rejected as f64 / gated.len() as f64;
-        // The gate cuts off the large values: their means would look right whatever the filter does.
+        // The gate cuts off large values, so that their means would look right whatever the filter does.
         if share <= MOST_REJECTED {
             return test.tell(tell_bias(step), bias.is_some());
         }

@@ -9,7 +9,7 @@ use crate::scene::{Arrow, Picture, Role, Scene, Shape};
 
 impl KalmanFilter {
     /// Draws the step: trails, detections, the true position, estimates, and measurements with the gate.
-    pub(in super::super) fn draw_marks(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(in super::super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let (state, now) = (seen.before, self.now(seen));
         trails(seen, &now, scene);
         let detections = seen.events.iter().find_map(|event| match event {

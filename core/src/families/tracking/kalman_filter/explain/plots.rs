@@ -17,7 +17,7 @@ impl KalmanFilter {
         let line = |of: &dyn Fn(&FrameRecord) -> Option<f64>| -> Vec<[f32; 2]> {
             records().filter_map(|(i, record)| Some([x(i), of(record)? as f32])).collect()
         };
-        // Two-sided: a filter with a covariance far too large lies below the lower end.
+        // Two-sided: the statistic of a filter with a covariance far too large lies below the lower end.
         let band = |dof: usize| Band {
             name: "95 % band".into(),
             values: [0.025, 0.975].map(|p| chi_square::quantile(p, dof) as f32),
