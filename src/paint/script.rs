@@ -17,8 +17,8 @@ pub enum Script {
 pub const MEAN: char = '\u{304}';
 const MACRON: &str = "¯";
 
-/// Most letters of a subscript.
-const MOST_LETTERS: usize = 2;
+/// Most letters and digits of a subscript.
+const MOST_LETTERS: usize = 3;
 
 impl Script {
     /// Size of its type, as a share of the line's.
@@ -36,7 +36,7 @@ impl Script {
     }
 }
 
-/// The parts of `text`, without the marks of its scripts: `_` between one letter and one or two lower-case ones, `^` before a T
+/// The parts of `text`, without the marks of its scripts: `_` between one letter and up to three letters or digits, `^` before a T
 /// (transposed), and [`MEAN`]. All else is as it is written, names of files and of columns among it.
 pub fn parts(text: &str) -> Vec<(&str, Script)> {
     let (mut parts, mut from) = (Vec::new(), 0);
@@ -73,7 +73,7 @@ fn is_symbol(before: &str) -> bool {
 
 /// Length in bytes of the index at the start of `after`; 0 if there is none.
 fn index_length(after: &str) -> usize {
-    let letters = after.chars().take_while(char::is_ascii_lowercase).count();
+    let letters = after.chars().take_while(char::is_ascii_alphanumeric).count();
     let mut rest = after[letters..].chars();
     let is_end = match rest.next() {
         Some('.') => rest.next().is_none_or(|c| !c.is_alphanumeric()),
@@ -105,6 +105,7 @@ mod tests {
         for (text, shown) in [
             ("I_x u + I_y v + I_t = 0.", "I₍x₎ u + I₍y₎ v + I₍t₎ = 0."),
             ("R ← D_xx D_yy − (0.9 D_xy)²", "R ← D₍xx₎ D₍yy₎ − (0.9 D₍xy₎)²"),
+            ("(u_GS, v_GS) − u_0", "(u₍GS₎, v₍GS₎) − u₍0₎"),
             ("Σ w I_x², |d_x|", "Σ w I₍x₎², |d₍x₎|"),
             ("the derivative I_t.", "the derivative I₍t₎."),
             ("x′^T F x = 0", "x′⁽T⁾ F x = 0"),

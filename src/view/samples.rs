@@ -8,6 +8,7 @@ use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Prepared};
 use crate::media::Open;
 use crate::paint::charts::formula::typeset;
+use crate::paint::script::parts;
 
 /// Steps of a run that are looked at.
 const STEPS: usize = 40;
@@ -69,6 +70,31 @@ fn every_formula_is_drawn_with_characters_that_the_fonts_have() {
     }
     faults.dedup();
     assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
+}
+
+/// The parts of a text that stand in it as they are typed, although they are indices or commands of a formula.
+fn untypeset(text: &str) -> bool {
+    parts(text).iter().any(|(words, _)| words.contains(['_', '\\']))
+}
+
+#[test]
+fn nothing_is_shown_as_it_is_typed_in_a_formula() {
+    let mut faults = std::collections::BTreeSet::new();
+    for estimator in estimators() {
+        let id = estimator.info().id;
+        let prepared = sample(&*estimator);
+        for (step, _) in steps(&prepared).into_iter().chain([last(&prepared)]) {
+            for of in step.values.iter().map(|value| value.of) {
+                let symbol = latex::parse(of.symbol).map(|symbol| symbol.plain()).unwrap_or_default();
+                let texts = [of.label, of.definition, &symbol];
+                faults.extend(texts.into_iter().filter(|text| untypeset(text)).map(|text| format!("{id}: {text}")));
+            }
+        }
+        let code = estimator.info().pseudocode.iter().map(|line| line.text).filter(|text| untypeset(text));
+        faults.extend(code.map(|text| format!("{id}: {text}")));
+    }
+    assert!(faults.is_empty(), "{faults:#?}");
+    assert!(untypeset("(u, v)_GS") && !untypeset("(u_GS, v_GS)"));
 }
 
 /// The step in a language that does not exist: the words of its templates are others, its values are the same.

@@ -263,8 +263,17 @@ fn define_value(ui: &mut Ui, of: &Variable) {
     ui.set_max_width(WIDTH * ui.text_style_height(&eframe::egui::TextStyle::Body));
     let name = if of.label.is_empty() { capital(&of.name.replace('-', " ")) } else { of.label.to_owned() };
     let symbol = latex::parse(of.symbol).map(|symbol| symbol.plain()).unwrap_or_default();
+    // A label that has the symbol, as Eigenvalue λ₁, is enough.
+    let symbol = if raised(&name).contains(&raised(&symbol)) { String::new() } else { symbol };
     ui.label(ink::scripted(ui, format!("{name}  {symbol}").trim_end(), |words| words.family(style::bold()).strong()));
     ui.label(ink::scripted(ui, of.definition.trim(), |words| words));
+}
+
+/// A text with its indices on the line.
+fn raised(text: &str) -> String {
+    let raised =
+        |c| u32::from(c).checked_sub(u32::from('₀')).and_then(|digit| char::from_digit(digit, 10)).unwrap_or(c);
+    text.chars().filter(|c| *c != '_').map(raised).collect()
 }
 
 /// `doc` and the definitions of the terms in it: for a parameter, a column, a layer.

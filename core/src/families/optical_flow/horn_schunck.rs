@@ -73,8 +73,8 @@ pseudocode! {
     WARP: "    warp frame t+1 toward frame t by (u₀, v₀); I_x, I_y, I_t ← derivatives; c ← I_t − I_x u₀ − I_y v₀",
     EACH_ITERATION: "    for each iteration",
     AVERAGE: "      for each pixel: (ū, v\u{304}) ← weighted mean of its eight neighbours (newest values unless Jacobi)",
-    UPDATE: "        (u, v)_GS ← (ū, v\u{304}) − ∇I (I_x ū + I_y v\u{304} + c) / (α² + |∇I|²)",
-    EXTRAPOLATE: "        (u, v) ← (u, v) + ω ((u, v)_GS − (u, v)); ω = 1 unless SOR",
+    UPDATE: "        (u_GS, v_GS) ← (ū, v\u{304}) − ∇I (I_x ū + I_y v\u{304} + c) / (α² + |∇I|²)",
+    EXTRAPOLATE: "        (u, v) ← (u, v) + ω ((u_GS, v_GS) − (u, v)); ω = 1 unless SOR",
 }
 
 /// The end of the run tells its result instead of the update.

@@ -32,7 +32,7 @@ variables! { pub mod value;
     /// The true flow at the pixel.
     TRUE_FLOW: "True flow", "", Unit::SUBPIXEL, Role::Truth;
     /// The flow at which the gradient constraint is linearised.
-    START: "Linearised at (u₀, v₀)", "(u_0, v_0)", Unit::SUBPIXEL;
+    START: "Linearised at", "(u_0, v_0)", Unit::SUBPIXEL;
     /// The constant term of the linearised gradient constraint.
     CONSTANT_TERM: "", "c", I_T.unit, Role::Reference;
     /// The level of the pyramid; 0 is full resolution.

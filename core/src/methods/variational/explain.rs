@@ -111,7 +111,12 @@ impl<M: Model> Variational<M> {
         let conclusion = Conclusion::new(&frames.frame_pair, &after.flow(), across.max(down));
         // The end of the run is about its result alone; the change in the last iteration is among the facts.
         let step = conclusion.tell(Step { sentence: Sentence::default(), ..step }, &M::ADVICE);
-        say(step).put(value::FORMULA, self.0.last_formula()).say(case::FORMULA)
+        // Where textured neighbours are advised, more iterations are as well.
+        let is_advised = step.is(M::ADVICE.texture);
+        let step = say(step);
+        let is_open = step.is(case::NOT_CONVERGED);
+        let step = step.say_if(is_open && !is_advised, case::MORE_ITERATIONS);
+        step.put(value::FORMULA, self.0.last_formula()).say(case::FORMULA)
     }
 
     /// Returns energy, change and error of the iteration that ends at the cursor.

@@ -10,7 +10,7 @@ variables! { pub mod value;
     /// The number of warps per level.
     WARPS: "", "", Unit::WHOLE;
     /// The flow of the pixel before the iteration.
-    FLOW_BEFORE: "Flow before", r"(u, v)_\text{old}", Unit::SUBPIXEL, Role::Best;
+    FLOW_BEFORE: "Flow before", r"(u_\text{old}, v_\text{old})", Unit::SUBPIXEL, Role::Best;
     /// The flow of the pixel after the iteration.
     FLOW_AFTER: "", "(u, v)", Unit::SUBPIXEL, Role::Result;
     /// The flow of the pixel after the iteration, in px of level 0.
@@ -18,7 +18,7 @@ variables! { pub mod value;
     /// The weighted mean of the flow of the eight neighbours.
     NEIGHBOURHOOD_MEAN: "", r"(\bar{u}, \bar{v})", Unit::SUBPIXEL, Role::Predicted;
     /// The flow with the least energy while the neighbours stay, before any over-relaxation.
-    UPDATE: "", r"(u, v)_\text{GS}", Unit::SUBPIXEL, Role::Result;
+    UPDATE: "", r"(u_\text{GS}, v_\text{GS})", Unit::SUBPIXEL, Role::Result;
     /// The relaxation factor of SOR.
     RELAXATION: "", r"\omega", Unit::FINE;
     /// The squared regularisation weight.
@@ -51,7 +51,7 @@ cases! { pub over value, differential;
     CONVERGED: "The mean change of {mean_change} is below the tolerance of {tolerance}: converged.",
     NEXT_ITERATION: "The mean change of {mean_change} is not below the tolerance of {tolerance}: next iteration.",
     LAST_ITERATION: "Mean change of iteration {iterations}, the last of this warp: {mean_change}.",
-    NOT_CONVERGED: "Not converged: the last iteration still changed the flow by {mean_change} on average. More iterations carry it on \
-                    from the gradients into areas without any.",
+    NOT_CONVERGED: "Not converged: the last iteration still changed the flow by {mean_change} on average.",
+    MORE_ITERATIONS: "More iterations carry it on from the gradients into areas without any.",
     FORMULA: "The formula is the {formula} of {reference|pixel} {pixel}.",
 }
