@@ -5,14 +5,13 @@ use std::ffi::OsStr;
 use motionscope_core::base::Error;
 use motionscope_core::course::estimator;
 use motionscope_core::course::examples::{self, Example};
-use motionscope_core::params::Kind;
-use motionscope_core::run::AnyEstimator;
 
 use super::Session;
 use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Position};
 use crate::paint::Freehand;
 use crate::view::look::Changes;
+use crate::view::rendering::said;
 
 /// The prefix of an example's name.
 const EXAMPLE: &str = "example:";
@@ -29,26 +28,18 @@ pub fn description(example: &Example) -> String {
         None => "Works.".to_owned(),
     };
     let instead = example.instead.as_ref().and_then(|other| {
-        let estimator = estimator(other.id).ok()?;
-        let name = estimator.info().name;
-        let set: Vec<_> = other.settings.iter().map(|(name, value)| setting(&*estimator, name, value)).collect();
+        let mut estimator = estimator(other.id).ok()?;
+        other.settings.iter().try_for_each(|(name, value)| estimator.set(name, value)).ok()?;
+        // Of an estimator that fails the settings that make it fail are told as well: those have their defaults.
+        let changed = example.settings.iter().filter(|_| example.of.contains(&other.id));
+        let told: Vec<_> = other.settings.iter().chain(changed).map(|(name, _)| *name).collect();
+        let all = estimator.specs().iter().zip(estimator.values());
+        let set: Vec<_> =
+            all.filter(|(spec, _)| told.contains(&&*spec.name)).map(|(spec, (_, value))| said(spec, value)).collect();
         let set = if set.is_empty() { String::new() } else { format!(" with {}", set.join(", ")) };
-        Some(format!(" Works here: {name}{set}."))
+        Some(format!(" Works here: {}{set}.", estimator.info().name))
     });
     format!("{}. {verdict} {}{}", example.title, example.says, instead.unwrap_or_default())
-}
-
-/// Returns a parameter by its label, with its value as the window shows it.
-fn setting(estimator: &dyn AnyEstimator, name: &str, value: &str) -> String {
-    let spec = estimator.specs().iter().find(|spec| spec.name == name);
-    let label = spec.map_or(name, |spec| &spec.label).to_lowercase();
-    let of = spec.map(|spec| if let Kind::Optional { of, .. } = &spec.kind { &**of } else { &spec.kind });
-    let shown = match of {
-        Some(Kind::Choice(all)) => all.iter().find(|choice| choice.name == value).map(|choice| choice.label),
-        Some(Kind::Switch) => Some(if value == "true" { "on" } else { "off" }),
-        _ => None,
-    };
-    format!("{label} {}", shown.unwrap_or(value))
 }
 
 /// Returns the session of an `example` of the estimator `id`.
@@ -100,4 +91,20 @@ fn unknown(id: &str) -> Error {
         [] => format!("{id} has no examples"),
         all => format!("the examples of {id} are {}", all.join(", ")),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_estimator_that_works_with_other_settings_is_named_with_them() {
+        let described = |name: &str| description(of_name(OsStr::new(name)).expect("an example"));
+        let filter = described("example:kalman-filter/manoeuvre");
+        assert!(filter.ends_with(" Works here: Kalman filter with restart on."), "{filter}");
+        let tree = described("example:multiple-hypothesis/manoeuvre");
+        assert!(tree.ends_with("with motion Coordinated turn."), "{tree}");
+        let another = described("example:joint-probabilistic/coalescence");
+        assert!(another.contains("added noise 3 px"), "{another}");
+    }
 }

@@ -27,6 +27,8 @@ pub struct Question {
     pub in_first_unit: bool,
     /// Whether it is asked only once about each reference.
     pub once: bool,
+    /// The values of the step that answers it which it takes for granted.
+    pub given: &'static [&'static Variable],
 }
 
 /// What a question asks for.
@@ -140,7 +142,7 @@ impl Question {
     }
 
     const fn new(id: &'static str, text: &'static str, asked: Asked) -> Self {
-        Self { id, text, asked, obvious: &[], in_first_unit: true, once: false }
+        Self { id, text, asked, obvious: &[], in_first_unit: true, once: false, given: &[] }
     }
 
     /// A question for a value of a step at `line`.
@@ -164,6 +166,18 @@ impl Question {
     #[must_use]
     pub const fn once_per_reference(self) -> Self {
         Self { once: true, ..self }
+    }
+
+    /// The same question, with `values` of the step that answers it, without which it cannot be answered.
+    #[must_use]
+    pub const fn with_given(self, values: &'static [&'static Variable]) -> Self {
+        Self { given: values, ..self }
+    }
+
+    /// The step `before`, with the values of the step `after` it that the question takes for granted.
+    pub fn step_before(&self, before: &Step, after: &Step) -> Step {
+        let values = self.given.iter().filter_map(|of| after.value(of)).cloned();
+        values.fold(before.clone(), Step::fact_of)
     }
 
     /// The unit of the number that is asked for, of a count what is counted; empty if it has none, or no number is asked for.

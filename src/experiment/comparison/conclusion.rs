@@ -37,7 +37,8 @@ pub fn sentences<R: Borrow<Row>>(rows: &[R]) -> Vec<String> {
     let Some(of) = rows.get(reference(rows)).map(Borrow::borrow) else { return Vec::new() };
     let others = rows.iter().map(Borrow::borrow).filter(|row: &&Row| !std::ptr::eq(*row, of));
     let name = |row: &Row| row.estimator.info().name;
-    others.map(|row| format!("{} compared with {}: {}.", name(row), name(of), against(row, of))).collect()
+    let tells = |row: &&Row| against(row, of) != against(of, of);
+    others.filter(tells).map(|row| format!("{} compared with {}: {}.", name(row), name(of), against(row, of))).collect()
 }
 
 /// The cost: candidates where both have tested some, or else the time.
@@ -202,6 +203,7 @@ mod tests {
         );
         let alike = row("diamond", 969.21, &[(&EPE, 0.6351)]);
         assert_eq!(against(&alike, &full), "as many candidates, the same EPE");
+        assert!(sentences(&[&alike, &full]).is_empty(), "no difference is no sentence");
         let unscored = row("full-search", 969.24, &[]);
         assert_eq!(against(&row("diamond", 950.0, &[]), &unscored), "about as many candidates");
         assert_eq!(against(&row("diamond", 400.0, &[]), &unscored), "2.4 × fewer candidates");

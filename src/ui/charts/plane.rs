@@ -41,7 +41,7 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
     let painter = ui.painter_at(area);
     let lay_out = |state: &mut State| {
         let window = state.window(plane);
-        let data = Shown { plane, whose: subject.whose, window };
+        let data = Shown { plane, whose: subject.whose, window, has_names_beside: false };
         let draw = |area, style| draw(data, area, style);
         (data, state.chart.lay_out(&painter, (subject, plane), (area, window), draw))
     };

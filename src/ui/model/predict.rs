@@ -141,6 +141,11 @@ impl Predict {
         }
     }
 
+    /// Whether a page of a lesson has turned them on, which says itself that it asks.
+    pub fn is_of_page(&self) -> bool {
+        self.is_of_page
+    }
+
     /// Notes that a step forward was asked for.
     pub fn expect(&mut self) {
         self.is_due = self.is_on;

@@ -31,13 +31,15 @@ pub struct Input<'a> {
     pub predict: &'a Predict,
     /// Whether several estimators run in lockstep, which has no questions.
     pub is_lockstep: bool,
+    /// Whether a pixel is held, of which nothing is asked.
+    pub is_held: bool,
     /// The theme.
     pub theme: Theme,
 }
 
 /// Draws the question below each other: its text, the ways to answer, and the way to the result.
 pub fn show(ui: &mut Ui, input: &Input<'_>, state: &mut State, actions: &mut Actions) {
-    let Input { predict, is_lockstep, theme } = *input;
+    let Input { predict, is_lockstep, is_held, theme } = *input;
     let top = ui.cursor().min.y;
     ui.spacing_mut().item_spacing = vec2(8.0, 6.0);
     let room = ui.available_height().max(1.0);
@@ -61,7 +63,7 @@ pub fn show(ui: &mut Ui, input: &Input<'_>, state: &mut State, actions: &mut Act
             (None, Some(answered)) => outcome(ui, answered, theme),
             (None, None) => {
                 let dim = style::color(theme.chrome().dim);
-                ui.add(egui::Label::new(RichText::new(idle(is_lockstep)).color(dim)).wrap());
+                ui.add(egui::Label::new(RichText::new(idle(is_lockstep, is_held)).color(dim)).wrap());
             }
         }
         ui.horizontal_wrapped(|ui| {
@@ -79,10 +81,13 @@ pub fn show(ui: &mut Ui, input: &Input<'_>, state: &mut State, actions: &mut Act
 }
 
 /// Returns the text of the pane without a question.
-fn idle(is_lockstep: bool) -> String {
+fn idle(is_lockstep: bool, is_held: bool) -> String {
     if is_lockstep {
         let key = Command::Lockstep.key();
         return format!("Questions are for one estimator. {key} ends the lockstep.");
+    }
+    if is_held {
+        return "Questions are about the next step, not about a pixel that is held. Esc releases it.".into();
     }
     "→ asks before it shows the next result. Then number keys count hands, and a click on the picture is a guess."
         .into()

@@ -14,7 +14,7 @@ use super::{is_far_outside, object_of};
 use crate::base::{Error, Observer};
 use crate::data::{Clip, Detection};
 use crate::methods::{
-    kalman::{Filter, Measurement, MotionModel, Noises, Nonlinear, chi_square},
+    kalman::{Filter, Measurement, MotionModel, Noises, Nonlinear, chi_square, vocabulary::value as known},
     multi_object::{
         Extent,
         source::{Detector, Noise, Source, SourceSettings, center, default_detector, truth_of},
@@ -477,7 +477,8 @@ impl Estimator for KalmanFilter {
                 Reply::told(line::GATE, explain::case::ACCEPTED, "Yes: accepted"),
             ],
         )
-        .unless_told(&[explain::case::CLICKED]),
+        .unless_told(&[explain::case::CLICKED])
+        .with_given(&[known::INNOVATION, known::INNOVATION_COVARIANCE, known::GATE]),
         Question::place("updated", "Where is the estimate after the update?", line::UPDATE, Role::Estimate),
     ];
     const GUARANTEE: Guarantee = Guarantee::Objects;

@@ -550,9 +550,15 @@ impl Filter {
         with!(self, |_motion, estimate| estimate.state.iter().copied().collect())
     }
 
+    /// Returns the turn rate in radians/frame; `None` where it is no part of the state.
+    pub fn turn_rate(&self) -> Option<f64> {
+        let component = self.names().iter().position(|name| *name == "ω")?;
+        self.state().get(component).copied()
+    }
+
     /// Returns the decimals of the state as shown: two for px, four where a turn rate in rad/frame is part of it.
     pub fn decimals(&self) -> usize {
-        if self.names().contains(&"ω") { 4 } else { LENGTH_DECIMALS }
+        if self.turn_rate().is_some() { 4 } else { LENGTH_DECIMALS }
     }
 
     /// Returns the covariance P.

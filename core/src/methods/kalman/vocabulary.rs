@@ -18,6 +18,8 @@ crate::variables! { pub mod value;
     VELOCITY_BEFORE: "Velocity before", r"(u, v)", Unit::SPEED;
     /// The magnitude of the estimated velocity.
     SPEED: "Speed", r"\sqrt{u^2 + v^2}", Unit::SPEED;
+    /// The angle by which the velocity turns in a frame, clockwise in the picture where it is positive.
+    TURN_RATE: "Turn rate", r"\omega", Unit::new("°/frame", 2);
     /// The standard deviations of the position along x and y: the roots of the first two diagonal entries of P.
     DEVIATIONS: "Standard deviations σ", r"(\sigma_x, \sigma_y)", Unit::PX;
     /// The standard deviation of the position: the root of the mean variance along x and y.
@@ -47,7 +49,7 @@ crate::variables! { pub mod value;
     /// The distance of the estimated position from the true one.
     ERROR: "Error", "", Unit::PX, Role::Error;
     /// The normalised estimation error squared of the position.
-    NEES: "NEES", "", Unit::FINE;
+    NEES: "NEES", "", Unit::FINE, Role::Error;
     /// The mean NIS of the accepted measurements.
     MEAN_NIS: "Mean NIS (accepted)", "", Unit::FINE;
     /// The lower end of the 95 % band of the mean NIS of a consistent filter.

@@ -222,9 +222,9 @@ pub(super) fn hidden(
     let mut pictures = before.pictures.clone();
     pictures.pair.clone_from(&after.pictures.pair);
     pictures.names.clone_from(&after.pictures.names);
-    let frame = after.frame;
+    let (frame, step) = (after.frame, Arc::new(question.step_before(&before.step, &after.step)));
     Snapshot {
-        moment: Moment { scene: Arc::new(scene), pictures, frame, ..before.moment.clone() },
+        moment: Moment { scene: Arc::new(scene), pictures, frame, step, ..before.moment.clone() },
         landmarks: landmarks_of(before),
         ..before.as_ref().clone()
     }

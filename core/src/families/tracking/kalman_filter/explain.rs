@@ -117,7 +117,9 @@ impl KalmanFilter {
         let Some((filter, role)) = now.current() else { return put_measurement(step, now) };
         let ([u, v], [[xx, _], [_, yy]]) = (filter.velocity(), filter.place_covariance());
         let step = step.fact_of(shared::POSITION.is(filter.place()).inked(role)).fact(shared::VELOCITY, [u, v]);
-        let step = step.fact(shared::SPEED, u.hypot(v)).fact(shared::DEVIATIONS, [xx.sqrt(), yy.sqrt()]);
+        let step =
+            step.fact(shared::SPEED, u.hypot(v)).fact_if(shared::TURN_RATE, filter.turn_rate().map(f64::to_degrees));
+        let step = step.fact(shared::DEVIATIONS, [xx.sqrt(), yy.sqrt()]);
         let step = put_measurement(modes::probable(step, filter), now);
         let Some(truth) = truth(seen) else { return step };
         let step = step.fact(shared::TRUTH, truth).fact(shared::ERROR, distance(truth, filter.place()));
@@ -258,7 +260,8 @@ fn tell_update(step: Step, gated: &Gated, after: &Filter) -> Step {
     let Some(numbers) = from.update_numbers(gated.measurement()) else { return step };
     let step = tell_spread(step, &[*from, *after]).put(shared::POSITION_BEFORE, from.place());
     let step = step.put(shared::VELOCITY_BEFORE, from.velocity()).put(shared::GAIN, numbers.gain[(0, 0)]);
-    equation::update(step.say(case::UPDATED), (gated, &numbers), after)
+    let turns = after.turn_rate().is_some();
+    equation::update(step.say(case::UPDATED).say_if(turns, case::TURN_RATE), (gated, &numbers), after)
 }
 
 /// Tells why no track has started.

@@ -53,8 +53,12 @@ impl KalmanTracker {
             Some(Event::Predicted(tracks)) => match widest(tracks) {
                 None => at(line::PREDICT).say(shared_case::NONE_TO_PREDICT),
                 Some(widest) => {
+                    let deviation = |track: &Track| shared::DEVIATION.is(explain::deviation(&track.filter));
+                    let most = deviation(widest);
+                    let alike = tracks.iter().filter(|track| deviation(track).bare() == most.bare()).count();
                     let step = at(line::PREDICT).put(shared::TRACKS, tracks.len()).put(value::WIDEST, widest.id);
-                    step.put(shared::DEVIATION, explain::deviation(&widest.filter)).say(case::PREDICTED)
+                    let step = step.put(value::AS_WIDE, alike).put_value(most);
+                    step.say(if alike == 1 { case::PREDICTED } else { case::PREDICTED_ALIKE })
                 }
             },
             Some(Event::Costs(costs)) => self.tell_gates(at(line::COMPUTE_COSTS), costs),

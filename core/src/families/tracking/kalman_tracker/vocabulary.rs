@@ -6,6 +6,8 @@ use crate::scene::{Role, Unit};
 crate::variables! { pub(super) mod value;
     /// The track with the least certain position.
     WIDEST: "Least certain track", "", Unit::WHOLE;
+    /// The number of tracks whose position is as uncertain as that of the least certain one.
+    AS_WIDE: "Least certain tracks", "", Unit::count("track");
     /// The squared Mahalanobis distance of the detection from the predicted measurement.
     D_SQUARED: "Squared Mahalanobis distance", "d^2", Unit::FINE, Role::Measured;
     /// The innovation: the detection without the predicted measurement, in px.
@@ -45,6 +47,8 @@ crate::cases! { pub(super) over value, shared;
               {measured|detections}, and each track is updated with its own.",
     PREDICTED: "Prediction of {tracks}: process noise Q increases each covariance. Track {widest} is the least certain, \
                 σ = {deviation}.",
+    PREDICTED_ALIKE: "Prediction of {tracks}: process noise Q increases each covariance. {as_wide} are the least certain, with the same \
+                      σ = {deviation}.",
     AND_THRESHOLD: ", and the IoU threshold is {iou_threshold}.",
     AND_OVERLAP: ", and boxes have to overlap.",
     THRESHOLD: "The IoU threshold is {iou_threshold}.",

@@ -182,6 +182,7 @@ cases! { pub(in super::super) over value, shared;
     UPDATED: "Update with Kalman gain {gain} along x: position {position_before:bare}{estimate| → }{position}, velocity \
               {velocity_before:bare} → {velocity}. The standard deviation of the position falls from {deviation_before:bare} to \
               {deviation}.",
+    TURN_RATE: "The turn rate is ω = {turn_rate}.",
     MODES_UPDATED: "Each mode is updated by its own gain: {reference|constant velocity} with {velocity_gain} along x to \
                     {velocity_position:bare}, {candidate|the coordinated turn} with {turn_gain} along x to {turn_position}. The gain is \
                     larger where the model is less certain of its prediction.",
