@@ -152,7 +152,12 @@ pub const PLANE: Pane = Pane {
     is_available: |step| find(step, a_plane).is_some(),
     room: |_, size, style| letters(size, [31.0, 19.0], style),
     draw: |content, area, style| {
-        let data = |plane| plane::Shown { plane, whose: content.info.name, window: content.angles.plane };
+        let data = |plane| plane::Shown {
+            plane,
+            whose: content.info.name,
+            window: content.angles.plane,
+            has_names_beside: false,
+        };
         find(content.step, a_plane).map(|found| plane::draw(data(found), area, style).into_layers()).unwrap_or_default()
     },
 };

@@ -42,6 +42,8 @@ pub struct Shown<'a> {
     pub whose: &'a str,
     /// Which part of the plane is seen; all of it unless one came nearer.
     pub window: Option<Window>,
+    /// Whether the points are named beside the plane however much room it has.
+    pub has_names_beside: bool,
 }
 
 /// A part of the plane.
@@ -109,8 +111,7 @@ struct Named {
 }
 
 impl Named {
-    fn of(plane: &Plane, area: Rect, style: Type) -> Self {
-        let is_direct = has_room(plane, area, style);
+    fn of(plane: &Plane, is_direct: bool) -> Self {
         let points = if is_direct { 0 } else { plane.points.len() };
         Self { is_direct, points, has_ellipse: !is_direct && plane.ellipse.is_some(), has_scale: plane.cost.is_some() }
     }
@@ -199,7 +200,7 @@ fn seen_from(line: &Constraint, [u, v]: [f32; 2]) -> Constraint {
 pub fn draw(data: Shown<'_>, area: Rect, style: ChartStyle) -> Drawing<Square> {
     let Shown { plane, window, .. } = data;
     let (theme, small) = (style.theme, style.small());
-    let named = Named::of(plane, area, Type::text(theme));
+    let named = Named::of(plane, !data.has_names_beside && has_room(plane, area, Type::text(theme)));
     let square = Square::new(area, window.unwrap_or(Window::whole(plane)), (small, named));
     let mut canvas = Canvas::default();
     canvas.inside(square.rect, |canvas| costs(canvas, &square, plane, style));
@@ -611,6 +612,16 @@ mod tests {
     }
 
     #[test]
+    fn names_stand_beside_the_plane_where_that_is_asked_for() {
+        let plane = plane();
+        let named = |has_names_beside| {
+            let data = Shown { plane: &plane, whose: "", window: None, has_names_beside };
+            draw(data, Rect::new([0.0; 2], [560.0, 300.0]), style()).place.is_direct
+        };
+        assert_eq!([false, true].map(named), [true, false]);
+    }
+
+    #[test]
     fn the_plane_is_reported_in_words() {
         assert_eq!(
             summary(&plane()),
@@ -624,7 +635,7 @@ mod tests {
     #[test]
     fn the_line_stands_where_it_allows_displacements_and_the_axes_have_units() {
         let plane = plane();
-        let data = Shown { plane: &plane, whose: "Normal flow", window: None };
+        let data = Shown { plane: &plane, whose: "Normal flow", window: None, has_names_beside: false };
         let drawing = draw(data, Rect::new([0.0; 2], [400.0, 300.0]), style());
         let square = drawing.place;
         let primitives = flat(drawing);
@@ -642,7 +653,9 @@ mod tests {
         let points = vec![("normal flow", Role::Result, [1.0, -0.25]), ("true flow", Role::Truth, [1.02, -0.2])];
         let few = Plane { points, ..plane() };
         let area = Rect::new([0.0; 2], [420.0, 400.0]);
-        let drawn = |plane: &Plane, area: Rect| draw(Shown { plane, whose: "", window: None }, area, style());
+        let drawn = |plane: &Plane, area: Rect| {
+            draw(Shown { plane, whose: "", window: None, has_names_beside: false }, area, style())
+        };
         let drawing = drawn(&few, area);
         let square = drawing.place;
         assert!(square.is_direct && square.rect.size()[0] > 0.75 * area.size()[0], "{:?}", square.rect);
@@ -670,7 +683,7 @@ mod tests {
             Plane { cost: Some(cost), ..plane() }
         };
         let head = |plane: &Plane| {
-            let data = Shown { plane, whose: "", window: None };
+            let data = Shown { plane, whose: "", window: None, has_names_beside: false };
             texts(&draw(data, Rect::new([0.0; 2], [640.0, 400.0]), style()).head).concat()
         };
         assert_eq!(head(&cost(|u| u > 0.0)), "Gradient constraint, blank where the window leaves the picture");
@@ -686,7 +699,8 @@ mod tests {
     fn a_plane_contains_its_constraint_line_or_says_where_it_is() {
         let area = Rect::new([0.0; 2], [640.0, 400.0]);
         let drawn = |plane: &Plane| {
-            let drawing = draw(Shown { plane, whose: "Normal flow", window: None }, area, style());
+            let drawing =
+                draw(Shown { plane, whose: "Normal flow", window: None, has_names_beside: false }, area, style());
             (drawing.place, texts(&drawing.head).concat(), flat(drawing))
         };
         for at in [0.5, 2.9, 7.5, -7.5] {
@@ -703,7 +717,7 @@ mod tests {
         let (square, head, primitives) = drawn(&plane);
         assert_eq!(square.window.reach, 2.0, "it is too far to be shown with what the points show");
         assert_eq!(head, "Normal flow · Gradient constraint, constraint line 12 px from the origin, outside");
-        let data = Shown { plane: &plane, whose: "", window: None };
+        let data = Shown { plane: &plane, whose: "", window: None, has_names_beside: false };
         let narrow = texts(&draw(data, Rect::new([0.0; 2], [330.0, 300.0]), style()).head).concat();
         assert_eq!(
             narrow, "constraint line 12 px from the origin, outside",
@@ -720,7 +734,7 @@ mod tests {
         );
         // Coming nearer to another place says so as well.
         let near = Window { center: [0.0; 2], reach: 0.25 };
-        let data = Shown { plane: &with_line_at(1.0), whose: "", window: Some(near) };
+        let data = Shown { plane: &with_line_at(1.0), whose: "", window: Some(near), has_names_beside: false };
         let words = texts(&draw(data, area, style()).head).concat();
         assert_eq!(words, "Gradient constraint, constraint line 1 px from the origin, outside");
     }
@@ -731,7 +745,7 @@ mod tests {
         let of = |at: [f32; 2]| (at[0] - 6.5).powi(2) + (at[1] + 3.0).powi(2);
         let cost = PlaneCost::sampled(("cost", "gray levels²"), (center, 2.0), 1000, of);
         let plane = Plane { center, cost: Some(cost), lines: Vec::new(), path: vec![[5.0, -3.0], center], ..plane() };
-        let data = Shown { plane: &plane, whose: "", window: None };
+        let data = Shown { plane: &plane, whose: "", window: None, has_names_beside: false };
         let area = Rect::new([0.0; 2], [640.0, 400.0]);
         let drawing = draw(data, area, style());
         let square = drawing.place;
@@ -760,7 +774,7 @@ mod tests {
         let plane = Plane { groups, points, lines: Vec::new(), ..plane() };
         let [first, second] = [1, 2].map(|group| Some(Color(region_color(group)).alpha(255)));
         assert_eq!(own_colors(&plane), [first, second, None]);
-        let data = Shown { plane: &plane, whose: "Motion clustering", window: None };
+        let data = Shown { plane: &plane, whose: "Motion clustering", window: None, has_names_beside: false };
         let drawing = draw(data, Rect::new([0.0; 2], [640.0, 400.0]), style());
         let square = drawing.place;
         let colors = flat(drawing).into_iter().filter_map(|primitive| match primitive {
@@ -793,7 +807,7 @@ mod tests {
         let area = Rect::new([0.0; 2], [400.0, 300.0]);
         let at = [1.0, -0.25];
         let near = Window::whole(&plane).nearer(at, 8.0, &plane);
-        let named = Named::of(&plane, area, Type::text(Theme::Dark));
+        let named = Named::of(&plane, has_room(&plane, area, Type::text(Theme::Dark)));
         let squares = [Window::whole(&plane), near].map(|window| Square::new(area, window, (12.0, named)));
         let places = squares.map(|square| square.at(at));
         assert!((0..2).all(|i| (places[0][i] - places[1][i]).abs() < 1e-2), "{places:?}");

@@ -81,6 +81,8 @@ fn names(canvas: &mut Canvas, square: &Square, regions: &Regions, theme: Theme) 
     let mut labels = Labels::new(square.rect);
     let dots = regions.points.iter().map(|(.., values)| square.at(*values));
     dots.for_each(|at| labels.keep_off(Rect::centered(at, [12.0; 2])));
+    let boundaries = regions.boundaries.iter().map(|(.., points)| points.iter().map(|values| square.at(*values)));
+    boundaries.for_each(|points| labels.keep_off_line(points.collect()));
     for (name, role, values) in &regions.points {
         let [x, y] = square.at(*values);
         let size = [text.width(name), 1.2 * text.size];

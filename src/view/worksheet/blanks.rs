@@ -8,7 +8,7 @@ use motionscope_core::scene::{Math, Matrix, Plane, Question, Readout, Regions, R
 use super::decision::Decision;
 use super::equation::{self, Defined, defined, exercise, values};
 use super::facts::Elsewhere;
-use super::grids::{self, Captioned, Grids, Missing};
+use super::grids::{self, Grids, Missing};
 use super::numbers::{self, Fill, is_telling, tells};
 use super::reach::{Printed, is_small};
 use super::windows::{self, Pixels, surface_of};
@@ -21,6 +21,8 @@ use crate::view::panes::find;
 const MOST_ENTRIES: usize = 4;
 /// A matrix of at most so many entries is left out as a whole.
 const SMALL_MATRIX: usize = 4;
+/// Nearer to each other, as a share of the reach of a plane, two points are the same to the eye.
+const BESIDE: f32 = 0.02;
 
 /// The step that is asked for.
 #[derive(Clone, Copy)]
@@ -91,20 +93,20 @@ impl Exercise {
         let lines = step.formulas();
         let mut all = Self { decision: Decision::of(questions, (step, unit)), ..Self::default() };
         let pixels = windows::pixels(step, earlier, &values(lines), fill);
-        let series = find(step, |readout| if let Readout::Series(series) = readout { Some(series) } else { None });
-        let histogram = series.and_then(grids::histogram);
-        let printed = printed(step, pixels.as_ref(), histogram.as_ref());
+        let printed = printed(step, pixels.as_ref());
         all.add_matrices(step, earlier.first(), fill);
         let known = all.numbers();
         all.equation = exercise(lines, (&known, &printed), fill);
+        let left_out = exercise(lines, (&known, &printed), Fill::Blank).lines;
+        let given: Vec<String> = left_out.iter().flat_map(|line| numbers::of(&line.plain())).collect();
         all.add(Part::Equation, all.equation.answers.clone().into_iter().map(|(_, number)| number));
         all.hide_told(matrices_of(step), fill);
-        all.grids = Grids { tiles: pixels, surface: None, histogram };
+        all.grids = Grids { tiles: pixels, surface: None };
         let of_tiles = all.grids.tiles.as_ref().map(|pixels| pixels.answers.clone()).unwrap_or_default();
         all.add(Part::Tiles, of_tiles);
         all.add_costs(asked, fill);
         all.add_drawings(step, fill);
-        all.add_facts(asked, fill);
+        all.add_facts(asked, &given, fill);
         all.asks_line = all.is_empty() && !(lines.is_empty() && matrices_of(step).is_empty());
         all
     }
@@ -230,6 +232,9 @@ impl Exercise {
         self.plane = plane.and_then(|plane| {
             let results: Vec<_> = plane.points.iter().filter(|(_, role, _)| is_result(*role)).collect();
             let names: Vec<String> = results.iter().map(|(name, ..)| (*name).to_owned()).collect();
+            let distance = |a: [f32; 2], b: [f32; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+            // A point beside a result tells it.
+            let tells = |at: [f32; 2]| results.iter().any(|(.., to)| distance(at, *to) < BESIDE * plane.reach);
             let left = Plane {
                 cost: None,
                 ellipse: None,
@@ -237,7 +242,7 @@ impl Exercise {
                 points: plane
                     .points
                     .iter()
-                    .filter(|(_, role, _)| !is_result(*role) && *role != Role::Truth)
+                    .filter(|(_, role, at)| !is_result(*role) && *role != Role::Truth && !tells(*at))
                     .copied()
                     .collect(),
                 ..plane.clone()
@@ -254,9 +259,11 @@ impl Exercise {
     }
 
     /// Leaves out what is left out elsewhere among labelled numbers, and what would tell it.
-    fn add_facts(&mut self, asked: &Asked<'_>, fill: Fill) {
+    /// A result that is equal to a number `given` in a formula is no secret.
+    fn add_facts(&mut self, asked: &Asked<'_>, given: &[String], fill: Fill) {
+        let hidden: Vec<String> = self.numbers().into_iter().filter(|number| !given.contains(number)).collect();
         let elsewhere = Elsewhere {
-            numbers: &self.numbers(),
+            numbers: &hidden,
             before: asked.earlier.first().map(Step::facts).unwrap_or_default(),
             is_decided: self.decision.is_some(),
             is_test: surface_of(asked.step).is_some_and(|surface| surface.probe.is_some()),
@@ -268,12 +275,10 @@ impl Exercise {
 }
 
 /// What is printed of a step, from which its results can be computed.
-fn printed(step: &Step, pixels: Option<&Pixels>, histogram: Option<&Captioned>) -> Printed {
+fn printed(step: &Step, pixels: Option<&Pixels>) -> Printed {
     let symbols = defined(step.formulas()).into_iter().map(|defined| defined.name);
-    let rows = histogram.into_iter().flat_map(|histogram| &histogram.table.rows);
     Printed {
         names: Printed::names(step.facts(), matrices_of(step), symbols),
-        terms: rows.flat_map(|name| name.split_whitespace()).map(str::to_owned).collect(),
         totals: pixels.map(|pixels| pixels.totals.clone()).unwrap_or_default(),
     }
 }
@@ -373,6 +378,47 @@ mod tests {
         assert!(shown.contains(told), "{shown}");
         let without = plain(&exercise(&step, &[], Fill::Blank).facts);
         assert!(without.contains("accepted") && without.contains("edge"), "nothing is decided: {without}");
+    }
+
+    #[test]
+    fn a_value_that_a_formula_gives_stays_though_the_result_is_equal_to_it() {
+        let facts = vec![Fact::new("I_t", "5.25", None), Fact::new("Flow", "5.25", Some(Role::Result))];
+        let readouts = |formula| vec![Readout::Facts(facts.clone()), Readout::Equation(vec![formula])];
+        let shown = |template: &str| {
+            let exercise = exercise(&step(readouts(formula(template))), &[], Fill::Blank);
+            plain(&exercise.facts) + &plain(&exercise.equation.lines)
+        };
+        let given = shown("c = {s} - {a} = {s}");
+        assert!(given.contains("I_t: 5.25") && !given.contains("Flow: 5.25"), "{given}");
+        let asked = shown("c = {a} - {b} = {s}");
+        assert!(!asked.contains("5.25"), "{asked}");
+    }
+
+    #[test]
+    fn a_point_beside_the_result_is_left_out_of_the_plane_with_it() {
+        let points = vec![
+            ("mean", Role::Predicted, [0.5, 0.0]),
+            ("nearest", Role::Candidate, [0.1, 0.201]),
+            ("result", Role::Result, [0.1, 0.2]),
+        ];
+        let plane = Plane {
+            title: "",
+            unit: "px".into(),
+            center: [0.0; 2],
+            reach: 1.0,
+            cost: None,
+            groups: Vec::new(),
+            lines: Vec::new(),
+            path: Vec::new(),
+            points,
+            ellipse: None,
+        };
+        let names = |fill| {
+            let (plane, _) = exercise(&step(vec![Readout::Plane(plane.clone())]), &[], fill).plane.expect("a plane");
+            plane.points.iter().map(|(name, ..)| *name).collect::<Vec<_>>()
+        };
+        assert_eq!(names(Fill::Blank), ["mean"]);
+        assert_eq!(names(Fill::Answer), ["mean", "nearest", "result"]);
     }
 
     #[test]

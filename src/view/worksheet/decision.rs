@@ -26,6 +26,23 @@ impl Decision {
         };
         questions.iter().filter(is_choice).find_map(decided)
     }
+
+    /// Whether a text has a word that only the right answer has.
+    pub fn is_told_by(&self, text: &str) -> bool {
+        let words = |text: &str| words_of(text).collect::<Vec<_>>();
+        let others = self.choices.iter().enumerate().filter(|(index, _)| *index != self.right);
+        let known: Vec<String> = others.flat_map(|(_, choice)| words(choice)).chain(words(&self.text)).collect();
+        let told = words(text);
+        words_of(self.choices[self.right]).any(|word| !known.contains(&word) && told.contains(&word))
+    }
+}
+
+/// The words of a text but the shortest, each in the singular.
+fn words_of(text: &str) -> impl Iterator<Item = String> {
+    /// Letters of a word that tells something.
+    const LEAST: usize = 4;
+    let words = text.split(|letter: char| !letter.is_alphabetic()).map(str::to_lowercase);
+    words.map(|word| word.trim_end_matches('s').to_owned()).filter(|word| word.chars().count() >= LEAST)
 }
 
 /// A question about the next step as one about the step on the sheet.
@@ -51,6 +68,15 @@ mod tests {
 
     const REPLIES: &[Reply] =
         &[Reply::above(line::TEST, (value::COST, 8.0), "No"), Reply::at(line::TEST, "Yes: it is lower")];
+
+    #[test]
+    fn a_text_tells_the_decision_with_a_word_that_only_the_right_answer_has() {
+        let choices = vec!["Yes: the lines intersect well", "No: an edge, its lines are nearly parallel"];
+        let decision = Decision { text: "Does this window determine its flow?".into(), choices, right: 1 };
+        assert!(decision.is_told_by("An edge determines one component.") && decision.is_told_by("Edges are none."));
+        let telling_nothing = ["No window is an island: its lines.", "How well do the lines intersect?", "Yes and no."];
+        assert!(!telling_nothing.iter().any(|text| decision.is_told_by(text)));
+    }
 
     #[test]
     fn a_choice_that_the_step_answers_is_asked_about_this_step() {

@@ -1,4 +1,4 @@
-//! Costs and histograms of a worksheet as tables: small enough to be computed by hand.
+//! Costs of a worksheet as a table: small enough to be computed by hand.
 
 use motionscope_core::base::words::fixed;
 use motionscope_core::geometry::Grid;
@@ -10,10 +10,6 @@ use crate::paint::charts::heat_map::{cost, optimum_words};
 use crate::paint::charts::table::{Cell, Table};
 use crate::paint::number;
 
-/// The most bins of a histogram that are printed.
-const MOST_BINS: usize = 9;
-/// Bins with less are nothing to three decimals.
-const LEAST_SHARE: f32 = 0.001;
 /// Displacements around the current one.
 const AROUND: [i32; 2] = [3, 2];
 
@@ -24,8 +20,6 @@ pub struct Grids {
     pub tiles: Option<Pixels>,
     /// The costs around the current displacement.
     pub surface: Option<Costs>,
-    /// The shares of histograms with few bins.
-    pub histogram: Option<Captioned>,
 }
 
 /// A table, and what it has: words that may need more room than it does.
@@ -46,34 +40,6 @@ pub struct Costs {
     pub best: Option<Math>,
     /// What is asked for.
     pub task: &'static str,
-}
-
-/// The bins of histograms over each other, unless they are more than can be added by hand.
-pub fn histogram(series: &Series) -> Option<Captioned> {
-    // A bar is two points of the same height, a bin apart.
-    let bars = |points: &[[f32; 2]]| -> Option<Vec<f32>> {
-        let bar = |pair: &[[f32; 2]]| match pair {
-            [left, right] => (left[1] == right[1] && right[0] - left[0] == 1.0).then_some(left[1]),
-            _ => None,
-        };
-        points.chunks(2).map(bar).collect()
-    };
-    let lines: Vec<(&str, Vec<f32>)> =
-        series.lines.iter().map(|(name, _, points)| Some((*name, bars(points)?))).collect::<Option<_>>()?;
-    let count = lines.iter().map(|(_, values)| values.len()).max()?;
-    let value = |bin: usize, y: usize| lines[y].1.get(bin).copied().unwrap_or_default();
-    let bins: Vec<usize> = (0..count).filter(|bin| (0..lines.len()).any(|y| value(*bin, y) >= LEAST_SHARE)).collect();
-    let is_printed = series.is_sweep && (1..=MOST_BINS).contains(&bins.len());
-    is_printed.then(|| Captioned {
-        caption: format!("{}: {}, bins of at least {LEAST_SHARE}", series.title, series.y_label),
-        table: Table {
-            title: String::new(),
-            columns: bins.iter().map(|bin| (bin + 1).to_string()).collect(),
-            rows: lines.iter().map(|(name, _)| (*name).to_owned()).collect(),
-            cells: Grid::from_fn(bins.len(), lines.len(), |x, y| Cell::Given(fixed(value(bins[x], y).into(), 3))),
-            framed: Vec::new(),
-        },
-    })
 }
 
 /// Which costs of a surface are left out, and what is known before.

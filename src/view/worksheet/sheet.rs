@@ -12,7 +12,7 @@ use super::numbers::{of, tells};
 use super::settings::settings;
 use super::windows::{Pixels, Windows};
 use crate::paint::charts::explanation::{self, Block, Density, Light, equation};
-use crate::paint::charts::formula::has_blank;
+use crate::paint::charts::formula::{has_blank, typeset};
 use crate::paint::charts::prose::{Part, Prose, lay_out};
 use crate::paint::charts::{Canvas, ChartStyle, Type, matrices, plane, regions};
 use crate::paint::primitive::Rect;
@@ -33,7 +33,7 @@ const WITHIN: f32 = 8.0;
 const TABLE_GAP: f32 = 12.0;
 /// Size of the picture at most, and of a chart to draw into.
 const PICTURE: [f32; 2] = [410.0, 250.0];
-const CHART: [f32; 2] = [420.0, 300.0];
+const CHART: [f32; 2] = [560.0, 300.0];
 /// Lines to calculate on: at least, for each number that is asked for, at most; and how far they are apart.
 const LINES: usize = 3;
 const LINES_EACH: usize = 2;
@@ -157,12 +157,16 @@ impl Content<'_> {
         block
     }
 
-    /// The parts of a text that have none of the answers.
+    /// The parts of a text that have none of the answers. What has the numbers of this step tells what is decided of it.
     fn untelling(&self, prose: &Prose) -> Prose {
+        let answers = self.exercise.answers.iter().map(|answer| answer.number.clone());
+        let decision = self.exercise.decision.as_ref();
+        let decisive = self.step.facts().iter().filter(|_| decision.is_some()).flat_map(|fact| of(&fact.value));
+        let telling: Vec<String> = answers.chain(decisive).collect();
         let is_given = |part: &&Part| {
             let text = Prose(vec![(*part).clone()]).plain();
-            let answers = || self.exercise.answers.iter().map(|answer| &answer.number);
-            !of(&text).iter().any(|number| tells(number, answers()))
+            let is_told = decision.is_some_and(|decision| decision.is_told_by(&text));
+            !is_told && !of(&text).iter().any(|number| tells(number, &telling))
         };
         Prose(prose.0.iter().filter(is_given).cloned().collect())
     }
@@ -189,7 +193,9 @@ impl Content<'_> {
                 && !has_blank(fact);
             let line = match is_whole {
                 true => explanation::sentence(&Sentence::default().text(fact.plain()), (width, self.sentence()), THEME),
-                false => equation(std::slice::from_ref(fact), (width, self.density()), THEME),
+                false => {
+                    equation(in_lines(fact, (self.density().math, width)).as_slice(), (width, self.density()), THEME)
+                }
             };
             block.put_below(line, 2.0);
         }
@@ -223,9 +229,6 @@ impl Content<'_> {
                 if self.asks_for(Place::Equation) { "Complete the formula." } else { "The formula of this step" };
             tasks.push((task.into(), vec![equation(&formulas.lines, (width, density), THEME)]));
         }
-        if let Some(histogram) = &grids.histogram {
-            tasks.push(("The histograms of this step".into(), vec![captioned(histogram, width)]));
-        }
         if !matrices.is_empty() {
             tasks.push(self.matrices((matrices, before), width));
         }
@@ -249,7 +252,7 @@ impl Content<'_> {
         let Exercise { plane, regions, .. } = self.exercise;
         let mut tasks = Vec::new();
         if let Some((data, names)) = plane {
-            let data = plane::Shown { plane: data, whose: "", window: None };
+            let data = plane::Shown { plane: data, whose: "", window: None, has_names_beside: true };
             let layers = plane::draw(data, Rect::new([0.0; 2], CHART), self.style()).into_layers();
             tasks.push((format!("Draw {} into the plane.", points(names)), vec![chart(layers)]));
         }
@@ -419,6 +422,17 @@ fn given(scene: &Scene, is_decided: bool) -> Scene {
     scene.links.retain(|link| is_given(link.role));
     scene.legend.retain(|(role, _)| is_given(*role));
     scene
+}
+
+/// A label with its value; below each other where they are wider than `width` points in type of this size.
+fn in_lines(fact: &Math, (size, width): (f32, f32)) -> Vec<Math> {
+    match fact {
+        Math::Row(parts) if typeset(fact, size, f32::INFINITY).size()[0] > width => match parts.split_first() {
+            Some((label, value)) => vec![label.clone(), Math::Row(value.to_vec())],
+            None => Vec::new(),
+        },
+        fact => vec![fact.clone()],
+    }
 }
 
 /// Words above a part of the sheet.

@@ -33,6 +33,9 @@ pub trait Measure: Params + Default + Clone + Send + Sync + 'static {
     /// Returns the displayed value of a response, compressed so that weak responses stay visible.
     fn shown(response: f32) -> f32;
 
+    /// Returns the numbers of the structure tensor from which the response is computed.
+    fn parts(&self, tensor: [f64; 3]) -> [f64; 2];
+
     /// Writes the response of a step in symbols and in numbers.
     fn formulas(&self, step: Step, tensor: [f32; 3]) -> Step;
 

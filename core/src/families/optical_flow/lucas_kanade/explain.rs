@@ -2,6 +2,7 @@
 
 use super::{ADVICE, Event, LucasKanade, Solution, line, solved};
 use crate::base::Threads;
+use crate::base::words::further_digits;
 use crate::data::Flow;
 use crate::geometry::Sampling;
 use crate::methods::differential::{
@@ -338,8 +339,21 @@ fn equations(step: Step, probe: &Probe, is_about: bool) -> Step {
     let step = if is_about { probe.linear.define(step, probe.pixel, Unit::SUBPIXEL) } else { step };
     let step = step.formula(format!(r"\sum w\,I_x^2\,u + \sum w\,I_x I_y\,v = -\sum w\,I_x {right}"));
     let step = step.formula(format!(r"\sum w\,I_x I_y\,u + \sum w\,I_y^2\,v = -\sum w\,I_y {right}, \quad \sum w = 1"));
-    let step = step.put(value::TENSOR, [xx, xy, yy]).put(value::RIGHT_SIDE, [-xt, -yt]);
+    let unit = Unit::FINE.finer(further_digits(|further| is_solved_by(probe, *further)) as u8);
+    let step = step.put_value(value::TENSOR.is([xx, xy, yy]).in_unit(unit));
+    let step = step.put_value(value::RIGHT_SIDE.is([-xt, -yt]).in_unit(unit));
     let step = step.formula(r"{tensor:1}\,u {tensor:2:signed}\,v = {right_side:1}");
     let step = step.formula(r"{tensor:2}\,u {tensor:3:signed}\,v = {right_side:2}");
     if probe.is_solved() { step.formula("(u, v) = {flow}") } else { step }
+}
+
+/// Whether the normal equations, written with so many further decimals, have the solution as it is written.
+fn is_solved_by(probe: &Probe, further: usize) -> bool {
+    let Tensor { xx, xy, yy, xt, yt, .. } = probe.tensor;
+    let unit = Unit::FINE.finer(further as u8);
+    let written = |number: f32| value::RIGHT_SIDE.is(number).in_unit(unit).rounded().unwrap_or(f64::NAN);
+    let [xx, xy, yy, xt, yt] = [xx, xy, yy, xt, yt].map(written);
+    let det = xx * yy - xy * xy;
+    let solution = [xy * yt - yy * xt, xy * xt - xx * yt].map(|minor| minor / det);
+    !probe.is_solved() || value::FLOW.is(solution).bare() == value::FLOW.is(probe.solution.displacement).bare()
 }

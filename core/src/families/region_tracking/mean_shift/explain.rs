@@ -2,16 +2,22 @@
 
 use super::vocabulary::{case, value};
 use super::{Background, Event, LEAST_PX, MeanShift, SCALE_RATE, Search, Shift};
+use crate::base::words::{fixed, further_digits, rounded};
 use crate::data::Frame;
 use crate::geometry::Grid;
+use crate::methods::numbers::RATIO_DECIMALS;
 use crate::methods::region::color::{Histogram, ellipse_rows};
 use crate::methods::region::vocabulary::{case as shared, value as shared_value};
 use crate::methods::region::{At, Ending, Explained, Outcome, plots};
 use crate::products::Region;
-use crate::scene::{Arrow, Picture, PlaneCost, Readout, Role, Scene, Series, Shape, Step, Surface};
+use crate::scene::{Arrow, Number, Picture, PlaneCost, Readout, Role, Scene, Series, Shape, Step, Surface, Unit};
 
 /// The Bhattacharyya coefficient.
 const COEFFICIENT: &str = r"\rho = \sum_u \sqrt{p_u \, q_u}";
+/// The bins of the model whose terms are written out.
+const TERMS: usize = 3;
+/// Further digits that are exact enough.
+const MOST_DIGITS: usize = 4;
 /// The sizes of a frame in words.
 const SIZES: [&str; 3] = ["present size", "size 10 % smaller", "size 10 % larger"];
 
@@ -47,7 +53,7 @@ impl Explained for MeanShift {
                     None => step.say(shared::END),
                 };
                 let step = step.say(case::WEIGHT).formula(r"w_i = \sqrt{\frac{q_u}{p_u}}");
-                add_charts(step.formula(format!("{COEFFICIENT} = {{coefficient}}")), at, frame, shift, false)
+                add_charts(terms(at, (frame, shift), step.formula(COEFFICIENT)), at, frame, shift, false)
             }
             Event::Shifted(frame, shift) => {
                 add_charts(self.tell_shift(put_shift(step, shift), shift), at, frame, shift, true)
@@ -144,6 +150,35 @@ impl MeanShift {
         });
         step.formula(r"\mathbf{y} = \frac{\sum_i w_i \, \mathbf{x}_i}{\sum_i w_i} = {mean:unit}")
     }
+}
+
+/// Writes the terms of the largest bins of the model, and the sum of all others.
+fn terms(at: &At<'_, MeanShift>, (frame, shift): (&Frame, &Shift), step: Step) -> Step {
+    let Some(model) = at.model.map(|model| &model.histogram) else { return step };
+    let mut search = Search::new(model, frame);
+    search.weigh(shift.from);
+    let candidate = Histogram::new(model.binning, search.candidate.clone());
+    let bins = model.largest(TERMS);
+    let shares = |of: &Histogram| bins.iter().map(|bin| f64::from(of.shares[*bin])).collect::<Vec<_>>();
+    let (own, others) = (shares(model), shares(&candidate));
+    let sum = |decimals: usize| {
+        let written = |share: &f64| rounded(*share, decimals);
+        own.iter().zip(&others).map(|(q, p)| (written(q) * written(p)).sqrt()).sum::<f64>()
+    };
+    let coefficient = f64::from(shift.similarity);
+    let rest = coefficient - sum(RATIO_DECIMALS + MOST_DIGITS);
+    let total = |further: &usize| {
+        let decimals = RATIO_DECIMALS + further;
+        fixed(sum(decimals) + rounded(rest, decimals), RATIO_DECIMALS) == fixed(coefficient, RATIO_DECIMALS)
+    };
+    let unit = Unit::RATIO.finer(further_digits(total) as u8);
+    let term = |i: usize| format!(r"\sqrt{{{{candidate_shares:{i}}} \cdot {{model_shares:{i}}}}}");
+    let written: Vec<String> = (1..=bins.len()).map(term).collect();
+    let rest_of_bins = if model.support.len() > bins.len() { r" + {other_bins}\text{ (other bins)}" } else { "" };
+    let step = step.put_value(value::MODEL_SHARES.is(Number::Vector(own)).in_unit(unit));
+    let step = step.put_value(value::CANDIDATE_SHARES.is(Number::Vector(others)).in_unit(unit));
+    let step = step.put_value(value::OTHER_BINS.is(rest.max(0.0)).in_unit(unit));
+    step.formula(format!("= {}{rest_of_bins} = {{coefficient}}", written.join(" + ")))
 }
 
 fn put_shift(step: Step, shift: &Shift) -> Step {

@@ -20,6 +20,12 @@ crate::variables! { pub(super) mod value;
     CENTER: "", r"\mathbf{y}", Unit::PX;
     /// The Bhattacharyya coefficient of the histograms of ellipse and model.
     COEFFICIENT: "Bhattacharyya coefficient", r"\rho", Unit::RATIO, Role::Candidate;
+    /// The shares of the largest bins of the model.
+    MODEL_SHARES: "", "q_u", Unit::RATIO, Role::Reference;
+    /// The shares of these bins in the histogram of the ellipse.
+    CANDIDATE_SHARES: "", "p_u", Unit::RATIO, Role::Candidate;
+    /// The part of the Bhattacharyya coefficient that all other bins have.
+    OTHER_BINS: "", "", Unit::RATIO;
     /// The Bhattacharyya coefficient before the last shift.
     COEFFICIENT_BEFORE: "", r"\rho", Unit::RATIO;
     /// The sum of the weights of the pixels of the ellipse.
