@@ -1,8 +1,7 @@
 //! Costs of a worksheet as a table: small enough to be computed by hand.
 
-use motionscope_core::base::words::fixed;
 use motionscope_core::geometry::Grid;
-use motionscope_core::scene::{Math, Series, Surface};
+use motionscope_core::scene::{Math, Surface};
 
 use super::numbers::{self, Fill, filled};
 use super::windows::Pixels;
