@@ -347,7 +347,7 @@ fn equations(step: Step, probe: &Probe, is_about: bool) -> Step {
     if probe.is_solved() { step.formula("(u, v) = {flow}") } else { step }
 }
 
-/// Whether the normal equations, written with so many further decimals, have the solution as it is written.
+/// Whether the normal equations, written with this many further decimals, have the solution as it is written.
 fn is_solved_by(probe: &Probe, further: usize) -> bool {
     let Tensor { xx, xy, yy, xt, yt, .. } = probe.tensor;
     let unit = Unit::FINE.finer(further as u8);
