@@ -48,6 +48,18 @@ fn every_relative_link_leads_to_a_file_and_its_heading() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
+/// Paths in ARCHITECTURE begin at the root, at one of the two sources, or in the folder of the window.
+#[test]
+fn every_file_and_folder_of_the_map_exists() {
+    let text = text_of("ARCHITECTURE.md");
+    let in_code = text.split('`').skip(1).step_by(2);
+    let paths: Vec<_> = in_code.filter(|code| code.ends_with(".rs") || code.ends_with('/')).collect();
+    let bases = ["", "core/src", "src", "src/ui"].map(|base| root().join(base));
+    let missing: Vec<_> = paths.iter().filter(|path| !bases.iter().any(|base| base.join(path).exists())).collect();
+    assert!(paths.len() > 50, "only {} paths were read", paths.len());
+    assert!(missing.is_empty(), "{missing:?}");
+}
+
 /// The commands of the program that stand in blocks of code, without the remarks behind them.
 fn commands(text: &str) -> Vec<String> {
     let in_blocks = text.split("```").skip(1).step_by(2);
