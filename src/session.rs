@@ -19,7 +19,7 @@
 //! object = 3                       # the object that was there and is held wherever it goes
 //!
 //! [set]
-//! block = 8
+//! block-size = 8
 //!
 //! [[beside]]                       # up to three more estimators in lockstep
 //! estimator = "hierarchical"

@@ -25,8 +25,8 @@ fn json(line: &str) -> Value {
 
 #[test]
 fn a_row_has_the_numbers_of_a_single_run() {
-    let rows = json(&format!("compare {SMALL} --estimators full-search,diamond --set diamond.block=8 --json"));
-    for (row, run) in [(0, "full-search"), (1, "diamond --set block=8")] {
+    let rows = json(&format!("compare {SMALL} --estimators full-search,diamond --set diamond.block-size=8 --json"));
+    for (row, run) in [(0, "full-search"), (1, "diamond --set block-size=8")] {
         let (row, run) = (&rows[row], json(&format!("run {SMALL} --estimator {run} --json")));
         let mean = run["metrics"]["candidates"].as_f64().unwrap() / row["blocks"].as_f64().unwrap();
         assert_eq!(row["candidates_mean"], mean);
@@ -70,18 +70,20 @@ fn a_sweep_runs_a_parameter_or_a_slider_through_its_values() {
     let candidates = |rows: &Value| -> Vec<f64> {
         rows.as_array().unwrap().iter().map(|row| row["candidates_most"].as_f64().unwrap()).collect()
     };
-    let ranges = json(&format!("compare {SMALL} --estimators full-search,log-search --sweep range=4,8,16 --json"));
-    assert_eq!(ranges[2]["range"], 8.0);
+    let ranges =
+        json(&format!("compare {SMALL} --estimators full-search,log-search --sweep search-range=4,8,16 --json"));
+    assert_eq!(ranges[2]["search-range"], 8.0);
     let most = candidates(&ranges);
     // Quadratic against logarithmic: the notes' claim.
     assert_eq!([most[0], most[2], most[4]], [81.0, 289.0, 1089.0]);
     assert!(most[5] - most[3] <= 12.0, "{most:?}");
 
     // One estimator's own parameter leaves the others as they are.
-    let one = json(&format!("compare {SMALL} --estimators full-search,diamond --sweep diamond.range=4,16 --json"));
+    let one =
+        json(&format!("compare {SMALL} --estimators full-search,diamond --sweep diamond.search-range=4,16 --json"));
     let most = candidates(&one);
-    assert!(most[0] == 1089.0 && most[2] == 1089.0 && one[3]["diamond.range"] == 16.0, "{one}");
-    let wrong = motionscope(&format!("compare {SMALL} --estimators full-search --sweep diamond.range=4,16"));
+    assert!(most[0] == 1089.0 && most[2] == 1089.0 && one[3]["diamond.search-range"] == 16.0, "{one}");
+    let wrong = motionscope(&format!("compare {SMALL} --estimators full-search --sweep diamond.search-range=4,16"));
     assert!(String::from_utf8_lossy(&wrong.stderr).contains("diamond is not compared"));
 
     let noise = json(&format!("compare {SMALL} --estimators full-search --sweep noise=0,30 --json"));
@@ -117,7 +119,7 @@ fn a_sweep_is_plotted_in_a_file() {
 
 #[test]
 fn every_format_has_the_same_cells() {
-    let line = format!("compare {SMALL} --estimators three-step,hexagon --sweep block=8,16");
+    let line = format!("compare {SMALL} --estimators three-step,hexagon --sweep block-size=8,16");
     let text = stdout(&line);
     let markdown = stdout(&format!("{line} --markdown"));
     let csv = stdout(&format!("{line} --csv -"));
@@ -131,7 +133,7 @@ fn every_format_has_the_same_cells() {
         assert_eq!(words(text), cells(markdown));
     }
     let lines: Vec<&str> = csv.lines().collect();
-    assert!(lines[0].starts_with("estimator,block,candidates_mean,candidates_most,ms,"));
+    assert!(lines[0].starts_with("estimator,block_size,candidates_mean,candidates_most,ms,"));
     let columns = lines[0].split(',').count();
     assert!(lines.len() == 5 && lines.iter().all(|line| line.split(',').count() == columns), "{columns} columns");
     assert!(lines[4].starts_with("hexagon,16,"));
@@ -173,10 +175,10 @@ fn what_features_do_not_have_is_absent_for_them() {
 fn what_cannot_be_compared_is_reported() {
     for (more, told) in [
         ("--estimators diamnd", "diamond"),
-        ("--estimators diamond --set hexagon.block=8", "hexagon is not compared"),
+        ("--estimators diamond --set hexagon.block-size=8", "hexagon is not compared"),
         ("--estimators diamond --set blok=8", "blok"),
-        ("--estimators diamond --sweep range", "NAME=V1,V2"),
-        ("--estimators diamond --sweep range=4,99", "1 to 64"),
+        ("--estimators diamond --sweep search-range", "NAME=V1,V2"),
+        ("--estimators diamond --sweep search-range=4,99", "1 to 64"),
         ("--estimators diamond --sweep fog=1", "noise"),
         ("--estimators diamond --frame 2", "frame"),
         ("--estimators diamond --json --markdown", "--json"),

@@ -274,7 +274,7 @@ fn rows_of_objects() {
 #[test]
 fn sessions() {
     let whole = "motionscope = 1\nclip = \"synth:pillar,noise=5\"\nestimator = \"full-search\"\npace = \"block\"\nframe = 1\n\
-                 step = \"35.412\"\npixel = \"30,20\"\n\n[set]\nblock = 8\nearly-exit = true\n\n[[beside]]\n\
+                 step = \"35.412\"\npixel = \"30,20\"\n\n[set]\nblock-size = 8\nearly-exit = true\n\n[[beside]]\n\
                  estimator = \"hierarchical\"\nset = { levels = 4 }\n\n[picture]\nview = \"side-by-side\"\nlevel = 1\n\
                  blend = 0.5\nlayer = \"wheel\"\narrows = \"auto\"\nlegend = true\n\n[sight]\ncenter = [10.5, 3.0]\nzoom = 4\n";
     survive("a.motionscope", |random| mistaken(whole, random), |path| Found::of(Session::load(path).err().as_ref()));

@@ -171,7 +171,7 @@ fn search(step: Cursor) -> ([Arc<Frame>; 2], Scene) {
     };
     let clip = Clip::from_frames("waves", vec![frame(0, 0), frame(5, -3)]).expect("two frames");
     let mut full_search = estimator("full-search").expect("full search is registered");
-    full_search.set("range", "8").expect("range is a parameter");
+    full_search.set("search-range", "8").expect("range is a parameter");
     let mut walk = full_search.walk(&clip, 0).expect("the clip can be searched");
     walk.jump(Move::To(step));
     (clip.pair(0).expect("two frames"), walk.scene(None))

@@ -45,7 +45,7 @@ fn fixture(cursor: Cursor) -> Fixture {
     let frame = |dx, dy| Frame::gray(Grid::from_fn(64, 48, |x, y| texture(x + 9 - dx, y + 9 - dy)));
     let clip = Clip::from_frames("moving", vec![frame(0, 0), frame(2, 1)]).expect("two frames of one size");
     let mut search = FullSearch::default();
-    search.set("range", "4").expect("in range");
+    search.set("search-range", "4").expect("in range");
     let mut walk = AnyEstimator::walk(&search, &clip, 0).expect("the clip suits the search");
     walk.jump(Move::To(cursor));
     let (scene, step) = (Arc::new(walk.scene(None)), Arc::new(walk.step(None)));

@@ -630,7 +630,7 @@ fn the_end_stays_the_end_while_parameters_change() {
         window.harness.run_steps(2);
     }
     window.settle();
-    assert!(window.shown().at_end && window.value("block") == Value::Int(16));
+    assert!(window.shown().at_end && window.value("block-size") == Value::Int(16));
 }
 
 #[test]
@@ -1052,7 +1052,7 @@ fn another_estimator_keeps_the_parameters_that_it_has_too() {
     window.settle();
     window.key(Key::Enter);
     assert_eq!(window.app().document().estimator().info().id, "hexagon");
-    assert_eq!(window.value("block"), Value::Int(24));
+    assert_eq!(window.value("block-size"), Value::Int(24));
 }
 
 #[test]

@@ -93,7 +93,9 @@ fn idle(params: &(impl Params + ?Sized)) -> BTreeSet<(usize, &'static str)> {
 
 /// Small, so that runs are short.
 fn small(mut estimator: Box<dyn AnyEstimator>) -> Box<dyn AnyEstimator> {
-    for (name, value) in [("block", "8"), ("range", "3"), ("levels", "2"), ("warps", "1"), ("iterations", "3")] {
+    for (name, value) in
+        [("block-size", "8"), ("search-range", "3"), ("levels", "2"), ("warps", "1"), ("iterations", "3")]
+    {
         // Only where there is such a parameter.
         estimator.set(name, value).ok();
     }

@@ -31,7 +31,7 @@ fn lit(gain: f64, offset: f64) -> Clip {
 /// Share of the inner blocks whose motion full search finds with `cost`.
 fn found(cost: &str, clip: &Clip) -> f64 {
     let mut search = estimator("full-search").expect("sound");
-    for (name, value) in [("cost", cost), ("block", "8"), ("range", "4")] {
+    for (name, value) in [("cost", cost), ("block-size", "8"), ("search-range", "4")] {
         search.set(name, value).expect("sound");
     }
     let Some(field) = search.run(clip, 0, &Threads::single()).expect("sound").get::<BlockField>().cloned() else {
@@ -66,7 +66,7 @@ fn every_search_means_the_same_by_a_cost() {
             .into_iter()
             .filter(|search| search.info().family == "Block matching")
             .map(|mut search| {
-                for (name, value) in [("cost", cost), ("block", "8"), ("range", "3"), ("levels", "2")] {
+                for (name, value) in [("cost", cost), ("block-size", "8"), ("search-range", "3"), ("levels", "2")] {
                     let known = search.get(name).is_ok();
                     assert!(known || name == "levels");
                     if known {
@@ -104,7 +104,7 @@ fn shown(cost: &str, a: fn(usize, usize) -> u8, b: fn(usize, usize) -> u8) -> (V
     let frames = vec![Frame::gray(Grid::from_fn(4, 4, a)), Frame::gray(Grid::from_fn(4, 4, b))];
     let clip = Clip::from_frames("small", frames).expect("sound");
     let mut search = estimator("full-search").expect("sound");
-    for (name, value) in [("cost", cost), ("block", "4")] {
+    for (name, value) in [("cost", cost), ("block-size", "4")] {
         search.set(name, value).expect("sound");
     }
     let mut walk = search.walk(&clip, 0).expect("sound");

@@ -76,7 +76,7 @@ fn farneback_agrees_with_a_plain_one() {
     let of = |iterations| {
         let settings = [
             ("poly-n", "7"),
-            ("sigma", "1.1"),
+            ("poly-sigma", "1.1"),
             ("window", "9"),
             ("weights", "gaussian"),
             ("damping", "0.05"),

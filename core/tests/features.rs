@@ -208,7 +208,7 @@ fn the_tracker_agrees_with_a_plain_one() {
             ("levels", "1"),
             ("iterations", &count),
             ("epsilon", "0"),
-            ("threshold", "0"),
+            ("min-eigenvalue", "0"),
             ("max-residual", "255"),
         ];
         let found = points("pyramidal-lucas-kanade", &settings, &clip);

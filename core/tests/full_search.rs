@@ -79,8 +79,8 @@ proptest! {
         let clip = Clip::from_frames("pair", vec![Frame::gray(current.clone()), Frame::gray(next.clone())]).unwrap();
         let mut search = estimator("full-search").unwrap();
         for (name, value) in [
-            ("block", block.to_string()),
-            ("range", range.to_string()),
+            ("block-size", block.to_string()),
+            ("search-range", range.to_string()),
             ("spacing", spacing.to_string()),
             ("cost", if squared { "ssd" } else { "sad" }.into()),
             ("border", border.into()),
@@ -132,7 +132,7 @@ proptest! {
         let shared: Vec<(&str, String)> = [("cost", cost), ("border", border), ("subpixel", subpixel), ("lambda", lambda)]
             .map(|(name, value)| (name, value.to_owned()))
             .into_iter()
-            .chain([("block", block), ("range", range as usize), ("spacing", spacing)].map(|(name, value)| (name, value.to_string())))
+            .chain([("block-size", block), ("search-range", range as usize), ("spacing", spacing)].map(|(name, value)| (name, value.to_string())))
             .collect();
         let full = field("full-search", &shared, &clip);
         let own = [shared, vec![("bound-levels", levels.to_string())]].concat();
@@ -170,7 +170,7 @@ fn a_skipped_candidate_says_by_which_bound() {
     let frames = vec![Frame::gray(Grid::from_fn(24, 24, |x, _| 10 * x as u8)); 2];
     let clip = Clip::from_frames("ramp", frames).unwrap();
     let told = |levels: &str| {
-        let settings = [("block", "8"), ("range", "2"), ("border", "replicate"), ("bound-levels", levels)];
+        let settings = [("block-size", "8"), ("search-range", "2"), ("border", "replicate"), ("bound-levels", levels)];
         sentences_of("successive-elimination", &clip, &settings, 4, "")
     };
     let has = |told: &[String], sentence: &str| assert!(told.iter().any(|told| told == sentence), "{told:#?}");
@@ -181,7 +181,7 @@ fn a_skipped_candidate_says_by_which_bound() {
     has(&told("1"), "Skipped without computing their cost: 20 of 25 candidates, 80.0 %.");
     let end = told("3").pop().unwrap();
     assert!(end.contains("Skipped by lower bounds: 20 of 25 candidates, 80.0 %."), "{end}");
-    let settings = [("block", "8"), ("range", "2"), ("cost", "ncc")];
+    let settings = [("block-size", "8"), ("search-range", "2"), ("cost", "ncc")];
     let told = sentences_of("successive-elimination", &clip, &settings, 4, "Successive elimination has no");
     assert!(told[0].starts_with("Successive elimination has no lower bound for 1 − NCC here"), "{told:?}");
 }
@@ -256,7 +256,7 @@ fn pair(current: impl FnMut(usize, usize) -> u8, next: impl FnMut(usize, usize) 
 
 #[test]
 fn every_event_says_why() {
-    let settings = [("block", "8"), ("range", "1")];
+    let settings = [("block-size", "8"), ("search-range", "1")];
     // One bright column that moves right by one: costs fall to zero at (1, 0).
     let clip = pair(|x, _| if x == 3 { 10 } else { 0 }, |x, _| if x == 4 { 10 } else { 0 });
     assert_eq!(
@@ -275,13 +275,13 @@ fn every_event_says_why() {
             "Candidate (1, 1): SAD 0 equals the minimum so far, 0 at (1, 0). The earlier displacement is shorter, so it is kept."
         ]
     );
-    let whole = [("block", "8"), ("range", "1"), ("border", "replicate")];
+    let whole = [("block-size", "8"), ("search-range", "1"), ("border", "replicate")];
     assert!(sentences(&clip, &whole, 0, "Block")[0].ends_with("holds 3×3 = 9 candidates."));
 }
 
 #[test]
 fn ties_say_which_rule_decided() {
-    let settings = [("block", "8"), ("range", "1"), ("border", "replicate")];
+    let settings = [("block-size", "8"), ("search-range", "1"), ("border", "replicate")];
     let flat = pair(|_, _| 7, |_, _| 7);
     let preferred = sentences(&flat, &settings, 0, "SAD 0 at");
     assert_eq!(preferred[0], "SAD 0 at (−1, −1) is the minimum so far, as the first candidate of this block.");
@@ -292,7 +292,7 @@ fn ties_say_which_rule_decided() {
     let kept = sentences(&flat, &settings, 0, "Candidate (1, −1)");
     assert!(kept[0].ends_with("0 at (0, −1). The earlier displacement is shorter, so it is kept."), "{}", kept[0]);
     // Diagonal stripes one pixel off: (0, −1) and (1, 0) are equally short and match equally well.
-    let spiral = [("block", "8"), ("range", "1"), ("border", "replicate"), ("order", "spiral")];
+    let spiral = [("block-size", "8"), ("search-range", "1"), ("border", "replicate"), ("order", "spiral")];
     let stripe = |k: usize| (k * 37 % 251) as u8;
     let stripes = pair(|x, y| stripe(x + 30 - y + 1), |x, y| stripe(x + 30 - y));
     let told = sentences(&stripes, &spiral, 4, "Candidate");
@@ -303,7 +303,7 @@ fn ties_say_which_rule_decided() {
 fn an_early_exit_stops_at_the_first_row_that_is_too_much() {
     // Every row of a wrong candidate costs 80; the right one costs nothing.
     let clip = pair(|_, _| 0, |x, _| if x < 8 { 0 } else { 80 });
-    let settings = [("block", "8"), ("range", "2"), ("early-exit", "on"), ("order", "spiral")];
+    let settings = [("block-size", "8"), ("search-range", "2"), ("early-exit", "on"), ("order", "spiral")];
     let given_up = sentences(&clip, &settings, 0, "Candidate (1, 0)");
     assert_eq!(
         given_up,

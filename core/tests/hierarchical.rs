@@ -122,7 +122,7 @@ proptest! {
         };
         let levels: Vec<_> = pictures.into_iter().enumerate().map(level).collect();
         let mut search = estimator("hierarchical").expect("sound");
-        for (name, value) in [("block", block), ("range", range as usize), ("levels", count), ("refine", refine as usize)] {
+        for (name, value) in [("block-size", block), ("search-range", range as usize), ("levels", count), ("refinement-range", refine as usize)] {
             search.set(name, &value.to_string()).expect("sound");
         }
         let Some(field) = search.run(&clip, 0, &Threads::new(2).expect("sound")).expect("sound").get::<BlockField>().cloned() else { panic!("no blocks") };
@@ -158,8 +158,8 @@ fn far_motion_is_recovered_that_a_plain_window_cannot_reach() {
             all.at(x as isize - motion.0 as isize, y as isize - motion.1 as isize, Border::Mirror)
         });
         let clip = Clip::from_frames("far", vec![Frame::gray(all.clone()), Frame::gray(shifted)]).expect("sound");
-        let far = recovered("hierarchical", &[("range", "64"), ("levels", "3")], &clip, motion);
-        let plain = recovered("full-search", &[("range", "16")], &clip, motion);
+        let far = recovered("hierarchical", &[("search-range", "64"), ("levels", "3")], &clip, motion);
+        let plain = recovered("full-search", &[("search-range", "16")], &clip, motion);
         assert!(far > 0.95, "{motion:?}: {far}");
         assert_eq!(plain, 0.0, "{motion:?}");
     }
@@ -183,13 +183,13 @@ fn the_fast_ball_is_caught_unless_the_pyramid_makes_it_smaller_than_a_block() {
         };
         on_ball.iter().map(off).sum::<f64>() / on_ball.len() as f64
     };
-    let plain = error("full-search", &[("range", "16")]);
-    let two = error("hierarchical", &[("range", "48"), ("levels", "2")]);
+    let plain = error("full-search", &[("search-range", "16")]);
+    let two = error("hierarchical", &[("search-range", "48"), ("levels", "2")]);
     assert!(two < plain / 4.0, "{two} px off, plain search {plain} px");
     // On level 2 the ball is 11 px across: blocks of 16 px there follow the wall behind it.
-    let three = error("hierarchical", &[("range", "48"), ("levels", "3")]);
+    let three = error("hierarchical", &[("search-range", "48"), ("levels", "3")]);
     assert!(three > 2.0 * two, "{three} px off");
-    let small = error("hierarchical", &[("range", "48"), ("levels", "3"), ("block", "8")]);
+    let small = error("hierarchical", &[("search-range", "48"), ("levels", "3"), ("block-size", "8")]);
     assert!(small < plain / 3.0, "{small} px off");
 }
 
@@ -258,7 +258,7 @@ fn the_finest_level_compares_its_vectors_with_the_truth() {
 #[test]
 fn chart_and_sentence_name_the_same_missed_minimum() {
     let clip = synth::make("fast-ball", &synth::scene("fast-ball").expect("sound").difficulty()).expect("sound");
-    let with_range = |id| set(id, &[("range", "32")]);
+    let with_range = |id| set(id, &[("search-range", "32")]);
     let full = with_range("full-search").run(&clip, 3, &Threads::single()).expect("a run");
     let full = &full.get::<BlockField>().expect("blocks").vectors;
     let mut walk = with_range("hierarchical").walk(&clip, 3).expect("a walk");

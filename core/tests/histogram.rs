@@ -22,7 +22,7 @@ fn clip() -> Clip {
 
 fn walk(id: &str, set: &[(&str, &str)]) -> Box<dyn Walk> {
     let mut search = estimator(id).expect("it is registered");
-    for (name, value) in [("block", "8"), ("range", "4")].iter().chain(set) {
+    for (name, value) in [("block-size", "8"), ("search-range", "4")].iter().chain(set) {
         search.set(name, value).expect("it has the parameter");
     }
     search.walk(&clip(), 0).expect("the clip suits the search")

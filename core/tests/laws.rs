@@ -104,7 +104,9 @@ fn into(way: Direction, walk: &mut dyn Walk) {
 /// Parameters small enough that whole runs can be walked.
 fn small(mut estimator: Box<dyn AnyEstimator>) -> Box<dyn AnyEstimator> {
     // More candidates than are passed over at once.
-    for (name, value) in [("block", "8"), ("range", "3"), ("levels", "2"), ("warps", "2"), ("iterations", "7")] {
+    for (name, value) in
+        [("block-size", "8"), ("search-range", "3"), ("levels", "2"), ("warps", "2"), ("iterations", "7")]
+    {
         if estimator.get(name).is_ok() {
             estimator.set(name, value).expect("in range");
         }
@@ -138,18 +140,6 @@ fn street() -> Clip {
 fn each(mut law: impl FnMut(Box<dyn AnyEstimator>)) {
     for estimator in estimators() {
         law(small(estimator));
-    }
-}
-
-#[test]
-fn old_names_of_parameters_are_those_of_present_ones() {
-    for estimator in estimators() {
-        let id = estimator.info().id;
-        for (old, new) in estimator.renamed() {
-            assert!(estimator.get(new).is_ok(), "{id}: there is no {new}");
-            assert_eq!(estimator.get(old), estimator.get(new), "{id}: {old}");
-            assert!(estimator.specs().iter().all(|spec| spec.name != *old), "{id}: {old} is still a parameter");
-        }
     }
 }
 
@@ -444,7 +434,7 @@ fn known_translations_are_recovered_as_far_as_promised() {
             Guarantee::Translation => (texture, 0),
             Guarantee::SmoothTranslation { off_px } => {
                 // Blocks large enough to hold waves in all directions.
-                estimator.set("block", "16").unwrap();
+                estimator.set("block-size", "16").unwrap();
                 (smooth_texture, off_px)
             }
             Guarantee::Better

@@ -22,7 +22,7 @@ fn clip() -> Clip {
 
 fn walk() -> Box<dyn Walk> {
     let mut search = estimator("hierarchical").expect("it is registered");
-    for (name, value) in [("block", "8"), ("range", "8"), ("levels", "3")] {
+    for (name, value) in [("block-size", "8"), ("search-range", "8"), ("levels", "3")] {
         search.set(name, value).expect("it has the parameter");
     }
     search.walk(&clip(), 0).expect("the clip suits the search")

@@ -25,7 +25,7 @@ fn clip() -> Clip {
 /// Parameters small enough that whole runs can be walked.
 fn small(id: &str) -> Box<dyn AnyEstimator> {
     let mut estimator = estimator(id).expect("an estimator");
-    for (name, value) in [("block", "8"), ("range", "3"), ("levels", "3")] {
+    for (name, value) in [("block-size", "8"), ("search-range", "3"), ("levels", "3")] {
         if estimator.get(name).is_ok() {
             estimator.set(name, value).expect("in range");
         }
@@ -279,9 +279,9 @@ fn what_cannot_stand_side_by_side_is_refused_in_a_sentence() {
     assert!(refused(&team(&["diamond", "harris", "kalman-tracker"])).contains("Kalman tracker on a whole clip"));
     assert!(refused(&team(&["diamond", "horn-schunck"])).contains("by block; choose result"));
     let mut different = team(&["diamond", "diamond"]);
-    different[1].set("range", "2").expect("in range");
+    different[1].set("search-range", "2").expect("in range");
     assert!(refused_or_run(&different, Pace::Block).is_ok(), "one estimator set differently is worth a look");
-    different[1].set("block", "9").expect("in range");
+    different[1].set("block-size", "9").expect("in range");
     assert!(refused(&different).contains("same block size and spacing"));
     let mut high = team(&["diamond", "hierarchical"]);
     high[1].set("levels", "6").expect("in range");

@@ -78,14 +78,14 @@ fn clip() -> Clip {
 fn all() -> Vec<(Box<dyn AnyEstimator>, String)> {
     let mut all: Vec<_> = estimators().into_iter().map(|estimator| (estimator, String::new())).collect();
     for (id, settings) in [
-        ("full-search", &[("block", "4"), ("range", "64"), ("border", "mirror")][..]),
-        ("diamond", &[("block", "8"), ("spacing", "1")]),
-        ("predictive", &[("block", "8"), ("spacing", "2"), ("lambda", "4")]),
-        ("hierarchical", &[("block", "8"), ("spacing", "1"), ("levels", "2")]),
-        ("hierarchical", &[("block", "4"), ("levels", "6")]),
+        ("full-search", &[("block-size", "4"), ("search-range", "64"), ("border", "mirror")][..]),
+        ("diamond", &[("block-size", "8"), ("spacing", "1")]),
+        ("predictive", &[("block-size", "8"), ("spacing", "2"), ("lambda", "4")]),
+        ("hierarchical", &[("block-size", "8"), ("spacing", "1"), ("levels", "2")]),
+        ("hierarchical", &[("block-size", "4"), ("levels", "6")]),
         ("pyramidal-lucas-kanade", &[("points", "dense"), ("window", "5")]),
         ("pyramidal-lucas-kanade", &[("points", "grid"), ("max-points", "5000")]),
-        ("klt", &[("max-points", "1000"), ("window", "31"), ("min-distance", "1"), ("quality", "0")]),
+        ("klt", &[("max-points", "1000"), ("window", "31"), ("min-distance", "1"), ("detector.threshold", "0")]),
         ("harris", &[("min-distance", "0"), ("threshold", "0"), ("max-points", "5000")]),
         ("shi-tomasi", &[("min-distance", "2"), ("threshold", "0"), ("window", "31")]),
         ("horn-schunck", &[("levels", "1"), ("solver", "sor")]),

@@ -279,14 +279,14 @@ proptest! {
         for id in IDS {
             let mut estimator = estimator(id).expect("sound");
             for (name, value) in [
-                ("block", block.to_string()),
-                ("range", range.to_string()),
+                ("block-size", block.to_string()),
+                ("search-range", range.to_string()),
                 ("cost", if squared { "ssd" } else { "sad" }.into()),
                 ("border", border.into()),
             ] {
                 estimator.set(name, &value).expect("sound");
             }
-            let looks_back = estimator.set("temporal", "on").is_ok();
+            let looks_back = estimator.set("temporal-predictor", "on").is_ok();
             let mut before: [Option<Vec<Vector>>; 2] = [None, None];
             for t in 0..3 {
                 let Some(field) = estimator.run(&clip, t, &Threads::single()).expect("sound").get::<BlockField>().cloned() else { panic!("no blocks") };
@@ -388,7 +388,7 @@ fn counts_are_those_of_the_papers() {
         // The course: quarters of ±8 px, 13 points and then 8 new ones a round, 4 in the last.
         ("quadrant-search", 8, (5, -6), 33),
     ] {
-        let found = candidates(id, &[("range", &range.to_string())], 12, valley);
+        let found = candidates(id, &[("search-range", &range.to_string())], 12, valley);
         assert_eq!(found, (count, true), "{id} ±{range} at {valley:?}");
     }
 }
@@ -398,20 +398,20 @@ fn searches_that_predict_test_as_few_as_their_papers_say() {
     // The first block has no neighbours. Nie and Ma 2002, section III: 1 if the block counts as still, else arms of
     // 2 px and then a small diamond: 5 + 4.
     let outside = ("border", "replicate");
-    assert_eq!(candidates("adaptive-rood", &[outside, ("still", "16")], 0, (0, 0)), (1, true));
-    assert_eq!(candidates("adaptive-rood", &[outside, ("still", "0")], 0, (0, 0)), (9, true));
+    assert_eq!(candidates("adaptive-rood", &[outside, ("zero-motion-threshold", "16")], 0, (0, 0)), (1, true));
+    assert_eq!(candidates("adaptive-rood", &[outside, ("zero-motion-threshold", "0")], 0, (0, 0)), (9, true));
     // Tourapis 2002: 1 if the median is good enough; else a small diamond, as no predictor is new.
-    assert_eq!(candidates("predictive", &[outside, ("enough", "16")], 0, (0, 0)), (1, true));
-    assert_eq!(candidates("predictive", &[outside, ("poor", "16")], 0, (0, 0)), (5, true));
+    assert_eq!(candidates("predictive", &[outside, ("termination-threshold", "16")], 0, (0, 0)), (1, true));
+    assert_eq!(candidates("predictive", &[outside, ("fixed-threshold", "16")], 0, (0, 0)), (5, true));
     // If that is poor, squares of 8 fixed predictors and a large diamond of 8; the small one is known.
-    let poor = [outside, ("range", "16"), ("poor", "0"), ("fixed-squares", "2")];
+    let poor = [outside, ("search-range", "16"), ("fixed-threshold", "0"), ("fixed-squares", "2")];
     assert_eq!(candidates("predictive", &poor, 0, (0, 0)), (5 + 16 + 8, true));
 }
 
 #[test]
 fn candidates_grow_with_the_logarithm_of_the_window() {
     for id in ["quadrant-search", "log-search", "three-step"] {
-        let counts = ["8", "16"].map(|range| candidates(id, &[("range", range)], 12, (3, -2)).0);
+        let counts = ["8", "16"].map(|range| candidates(id, &[("search-range", range)], 12, (3, -2)).0);
         assert!(counts[1] - counts[0] <= 9, "{id}: twice the window adds a round, not {counts:?}");
     }
 }
@@ -433,7 +433,7 @@ fn explained(id: &str, settings: &[(&str, &str)], clip: &Clip, unit: usize) -> V
 #[test]
 fn every_decision_says_why() {
     let clip = pit(12, (2, 0));
-    let range = [("range", "7")];
+    let range = [("search-range", "7")];
     let has = |id: &str, settings: &[(&str, &str)], sentence: &str| {
         let told = explained(id, settings, &clip, 12);
         assert!(told.iter().any(|told| told == sentence), "{id}: {told:#?}");
@@ -472,7 +472,7 @@ fn every_decision_says_why() {
     );
     has("log-search", &range, "The minimum (2, 0) is the centre: the step is halved to 1 px.");
     has("quadrant-search", &range, "The minimum (0, 0) lies in the quadrant around (3, 3): this quadrant is kept.");
-    let still = explained("adaptive-rood", &[("still", "16")], &pit(12, (0, 0)), 12);
+    let still = explained("adaptive-rood", &[("zero-motion-threshold", "16")], &pit(12, (0, 0)), 12);
     assert!(
         still.contains(
             &"SAD 4096 at (0, 0) does not exceed the zero-motion threshold 4096: static block, the search stops."
@@ -503,11 +503,11 @@ fn every_decision_says_why() {
         "The lowest cost of a neighbour is 6656, and texture and noise are similar here: the termination threshold is raised from \
          128 to 640.",
     );
-    let enough = [("enough", "16")];
+    let enough = [("termination-threshold", "16")];
     let rest = explained("predictive", &enough, &pit(0, (0, 0)), 0);
     assert!(rest[1].starts_with("No neighbour is searched yet"), "{rest:#?}");
     assert!(rest.iter().any(|told| told.ends_with(": early termination.")), "{rest:#?}");
-    let early = [("range", "8"), ("least-gain", "50")];
+    let early = [("search-range", "8"), ("min-decrease", "50")];
     has("quadrant-search", &early, "The minimum decreased by 0.0 %, less than 50 %: the search stops.");
 }
 
@@ -517,7 +517,7 @@ fn the_smallest_window_of_a_search_by_quadrants_ends_it() {
         Clip::from_frames("pair", vec![Frame::gray(picture(80, 80, 1, 64)), Frame::gray(picture(80, 80, 2, 64))])
             .expect("sound");
     let rounds = |smallest: &str| {
-        let told = explained("quadrant-search", &[("range", "8"), ("smallest", smallest)], &clip, 12);
+        let told = explained("quadrant-search", &[("search-range", "8"), ("min-window", smallest)], &clip, 12);
         told.iter().filter(|told| told.contains("is divided into quadrants")).count()
     };
     assert_eq!([rounds("1"), rounds("2"), rounds("3"), rounds("5"), rounds("9"), rounds("17")], [4, 4, 3, 2, 1, 1]);

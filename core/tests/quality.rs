@@ -64,7 +64,7 @@ fn the_fast_ball_is_reached_as_its_scene_promises() {
     let clip = scene.clip(&scene.difficulty()).expect("sliders in range");
     let psnr = |id, settings| quality((id, settings), &clip, 0).0;
     let near = psnr("full-search", &[]);
-    assert!(psnr("full-search", &[("range", "32")]) > near + 2.0);
-    assert!(psnr("hierarchical", &[("range", "32"), ("block", "8")]) > near + 2.0);
-    assert!(psnr("hierarchical", &[("range", "32")]) < near, "large blocks bury the ball");
+    assert!(psnr("full-search", &[("search-range", "32")]) > near + 2.0);
+    assert!(psnr("hierarchical", &[("search-range", "32"), ("block-size", "8")]) > near + 2.0);
+    assert!(psnr("hierarchical", &[("search-range", "32")]) < near, "large blocks bury the ball");
 }

@@ -130,7 +130,7 @@ fn no_estimator_is_inside_itself() {
         ("klt", "detector", "pyramidal-lucas-kanade", "tracks keypoints through a pair of frames, but keypoints of"),
         ("klt", "detector", "klt", "makes feature tracks, not keypoints of single frames; choose harris"),
         ("hierarchical", "coarse", "horn-schunck", "makes dense flow, not block vectors"),
-        ("hierarchical", "coarse.block", "8", "block-size is set by the parent estimator"),
+        ("hierarchical", "coarse.block-size", "8", "block-size is set by the parent estimator"),
     ] {
         let mut estimator = estimator(parent).expect("it");
         let before = estimator.values();
@@ -138,33 +138,6 @@ fn no_estimator_is_inside_itself() {
         assert!(refusal.contains(told), "{parent}.{name}={child}: {refusal}");
         assert_eq!(estimator.values(), before);
     }
-}
-
-/// What sessions and command lines of before say.
-#[test]
-fn old_names_still_work() {
-    let mut analysis = estimator("trajectory-analysis").expect("it");
-    for (name, text, now) in [
-        ("source", "moving", "tracker.source"),
-        ("clicks", "0:5,6", "tracker.clicks"),
-        ("min-score", "0.5", "tracker.min-score"),
-        ("added-noise", "3", "tracker.added-noise"),
-        ("seed", "7", "tracker.seed"),
-        ("detector", "frame-difference", "tracker.detector"),
-        ("detector.threshold", "31", "tracker.detector.threshold"),
-        // It has never had an effect; a session of before says it nevertheless.
-        ("detector.frames", "300", "frames"),
-    ] {
-        analysis.set(name, text).expect("it has a new name");
-        assert_eq!(analysis.get(now).expect("the new name").to_string(), text, "{name}");
-    }
-    assert_eq!(analysis.get("detector.threshold"), Ok(Value::Int(31)));
-    let mut klt = estimator("klt").expect("it");
-    klt.set("detector", "harris").expect("it makes keypoints");
-    klt.set("quality", "0.05").expect("it has a new name");
-    assert_eq!(klt.get("detector.threshold"), Ok(Value::Real(0.05)));
-    assert_eq!(klt.get("detector.min-distance"), Ok(Value::Int(0)), "the tracker chooses");
-    set("hierarchical", &[("coarse", "diamond")]);
 }
 
 /// Mixture of Gaussians, connected components, Kalman tracker, trajectory analysis: each is set and opened in place.
@@ -235,7 +208,7 @@ fn a_stage_opens_on_what_its_parent_looks_at() {
     // Hierarchical search: the coarsest of three levels, a quarter as wide, with a quarter of the range.
     let coarse = opened("hierarchical", "coarse", 1);
     let level = coarse.clip.expect("a clip of its own");
-    assert_eq!((level.size(), coarse.estimator.get("range")), ((24, 20), Ok(Value::Int(4))));
+    assert_eq!((level.size(), coarse.estimator.get("search-range")), ((24, 20), Ok(Value::Int(4))));
     let output = coarse.estimator.run(&level, coarse.frame, &Threads::single()).expect("a run");
     let mut walk = set("hierarchical", &[]).walk(&clip, 1).expect("a walk");
     let found = output.get::<BlockField>().expect("block vectors").vectors.len();
@@ -283,7 +256,8 @@ fn what_a_stage_keeps_counts() {
 fn the_pipeline_of_the_course_does_not_tear_cars() {
     let clip = clip("traffic", &[]);
     for id in ["kalman-tracker", "blob-tracker", "trajectory-analysis"] {
-        let pipeline = set(id, &[("source", "moving")]);
+        let source = if id == "trajectory-analysis" { "tracker.source" } else { "source" };
+        let pipeline = set(id, &[(source, "moving")]);
         let output = pipeline.run(&clip, 0, &Threads::new(2).expect("sound")).expect("a run");
         let assessment = output.assess(&Reference { clip: &clip, frame: 0 }).expect("frames");
         let of = |key: &str| {

@@ -143,7 +143,9 @@ fn explained(id: &str, settings: &[(&str, &str)]) -> Vec<Explained> {
 #[test]
 fn the_price_of_a_displacement_is_reported_with_its_numbers() {
     let mut priced = 0;
-    for (lines, facts) in explained("diamond", &[("subpixel", "quarter"), ("lambda", "2.5"), ("filter", "six-tap")]) {
+    for (lines, facts) in
+        explained("diamond", &[("subpixel", "quarter"), ("lambda", "2.5"), ("interpolation", "six-tap")])
+    {
         let Some(line) = lines.iter().find(|line| line.starts_with("SAD + λR")) else { continue };
         let [distortion, lambda, bits, cost] = numbers(line)[..] else { panic!("four numbers: {line}") };
         assert_eq!((lambda, cost), (2.5, distortion + lambda * bits), "{line}");
@@ -156,7 +158,7 @@ fn the_price_of_a_displacement_is_reported_with_its_numbers() {
 
 #[test]
 fn a_parabola_is_reported_with_the_costs_it_goes_through() {
-    let told = explained("full-search", &[("subpixel", "parabola"), ("cost", "ssd"), ("range", "4")]);
+    let told = explained("full-search", &[("subpixel", "parabola"), ("cost", "ssd"), ("search-range", "4")]);
     let mut lines = told.iter().flat_map(|(lines, _)| lines).filter(|line| line.starts_with(['u', 'v']));
     for name in ["u", "v"] {
         let line = lines.next().expect("one along u and one along v");
@@ -172,7 +174,7 @@ fn thresholds_in_gray_levels_leave_the_price_out() {
     // Everything fits within 16 gray levels, so one candidate is enough, however dear its bits.
     let clip = moving(WAVES, [0.1, 0.0]);
     let predictive = estimator("predictive").expect("it");
-    let found = field(&*predictive, &clip, &[("enough", "16"), ("lambda", "100")]);
+    let found = field(&*predictive, &clip, &[("termination-threshold", "16"), ("lambda", "100")]);
     assert_eq!(found.candidates() as usize, found.vectors.len());
 }
 
@@ -181,7 +183,7 @@ fn every_search_is_refined_as_a_plain_reference_refines_it() {
     let clip = moving(WAVES, [2.25, -1.5]);
     for search in searches() {
         for filter in ["bilinear", "six-tap"] {
-            let common = [("block", "16"), ("range", "7"), ("filter", filter)];
+            let common = [("block-size", "16"), ("search-range", "7"), ("interpolation", filter)];
             let whole = field(&*search, &clip, &common);
             let refined = field(&*search, &clip, &[&common[..], &[("subpixel", "quarter")]].concat());
             for (i, (start, found)) in vectors(&whole).into_iter().zip(vectors(&refined)).enumerate() {
@@ -212,7 +214,7 @@ fn fractions_of_a_pixel_are_found() {
         let clip = moving(WAVES, truth);
         let found = |settings: &[(&str, &str)]| errors(&field(&*full, &clip, settings), truth);
         for filter in ["bilinear", "six-tap"] {
-            assert_eq!(found(&[("subpixel", "quarter"), ("filter", filter)]), (0.0, 0.0), "{truth:?} {filter}");
+            assert_eq!(found(&[("subpixel", "quarter"), ("interpolation", filter)]), (0.0, 0.0), "{truth:?} {filter}");
         }
         let half = found(&[("subpixel", "half"), ("cost", "ssd")]).1;
         assert!(half <= 0.25f64.hypot(0.25) + 1e-6, "{truth:?}: {half}");
@@ -245,7 +247,8 @@ fn full_search_with_lambda_finds_the_cheapest_displacement_to_send() {
     let clip = Clip::from_frames("texture", frames.iter().cloned().map(Frame::gray).collect()).expect("a clip");
     let full = estimator("full-search").expect("it");
     for (lambda, early_exit) in [(3.5, "off"), (40.0, "off"), (3.5, "on")] {
-        let settings = [("block", "8"), ("range", "5"), ("lambda", &lambda.to_string()), ("early-exit", early_exit)];
+        let settings =
+            [("block-size", "8"), ("search-range", "5"), ("lambda", &lambda.to_string()), ("early-exit", early_exit)];
         let found = field(&*full, &clip, &settings);
         let columns = found.blocks.counts().0;
         let mut sent: Vec<[i64; 2]> = Vec::new();
@@ -283,7 +286,8 @@ fn a_dearer_bit_makes_neighbours_agree() {
     let (clip, full) = (moving(WAVES, [1.25, -0.5]), estimator("full-search").expect("it"));
     for subpixel in ["none", "half", "quarter"] {
         let differing = |lambda: &str| {
-            let found = vectors(&field(&*full, &clip, &[("lambda", lambda), ("subpixel", subpixel), ("block", "8")]));
+            let found =
+                vectors(&field(&*full, &clip, &[("lambda", lambda), ("subpixel", subpixel), ("block-size", "8")]));
             found.windows(2).filter(|pair| pair[0].0 != pair[1].0).count()
         };
         let (free, dear) = (differing("0"), differing("100"));

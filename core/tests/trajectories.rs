@@ -52,7 +52,7 @@ fn crossings(all: &[Arc<Trajectory>]) -> [usize; 2] {
 fn speed_heading_counts_and_stays_are_those_of_the_objects() {
     let right = |begin, y| (begin, [20.0, y], [4.0, 0.0], 60);
     let objects = [right(0, 60.0), right(3, 120.0), (5, [300.0, 180.0], [-3.0, 1.0], 60)];
-    let settings = [("line", "160,239,160,0"), ("zone", "80,40,120,140")];
+    let settings = [("lines", "160,239,160,0"), ("zones", "80,40,120,140")];
     let field = run(&*analysis(&settings), &clip(&objects, 70));
     let all = &field.trajectories;
     assert_eq!((all.len(), crossings(all)), (3, [2, 1]));
@@ -83,7 +83,8 @@ fn where_no_line_and_no_zone_is_set_nothing_is_counted() {
         let score = assessed.scores.iter().find(|score| score.measure.key == name).expect("a score");
         score.value.real()
     };
-    for (parameter, value, name) in [("line", "300,20,310,20", "crossed_right"), ("zone", "300,10,310,20", "in_zone")] {
+    for (parameter, value, name) in [("lines", "300,20,310,20", "crossed_right"), ("zones", "300,10,310,20", "in_zone")]
+    {
         assert_eq!(scored(&[], name), None, "{name}");
         assert_eq!(scored(&[(parameter, value)], name), Some(0.0), "{name}");
     }
@@ -117,9 +118,6 @@ fn several_lines_and_zones_have_counts_of_their_own() {
         sentence.contains("1 crossing of line 2 to the right and 1 to the left") && sentence.contains("1 in zones"),
         "{sentence}"
     );
-    // The old names still mean the same.
-    let old = run(&*analysis(&[("line", "100,239,100,0"), ("zone", "80,40,120,100")]), &clip);
-    assert_eq!(crossings(&old.trajectories), of_line(0));
 }
 
 #[test]
@@ -146,7 +144,7 @@ fn the_truth_of_a_clip_is_counted_as_it_is() {
     let (width, height) = clip.size();
     let middle = width as f32 / 2.0;
     let line = format!("{middle},{height},{middle},0");
-    let found = run(&*analysis(&[("line", &line), ("source", "truth"), ("added-noise", "0")]), &clip);
+    let found = run(&*analysis(&[("lines", &line), ("tracker.source", "truth"), ("tracker.added-noise", "0")]), &clip);
     // Where the true centres change sides, by plain comparison.
     let truth = clip.truth().expect("it has truth");
     let (mut before, mut expected) = (BTreeMap::new(), [0, 0]);
@@ -167,7 +165,7 @@ fn the_truth_of_a_clip_is_counted_as_it_is() {
 #[test]
 fn a_step_never_knows_what_comes_later() {
     let objects = [(0, [20.0, 60.0], [4.0, 0.0], 40), (3, [250.0, 90.0], [-4.0, 0.0], 40)];
-    let (analysis, clip) = (analysis(&[("line", "160,239,160,0")]), clip(&objects, 45));
+    let (analysis, clip) = (analysis(&[("lines", "160,239,160,0")]), clip(&objects, 45));
     let mut walk = analysis.walk(&clip, 0).expect("it starts");
     let unit = walk.info().granularities.len() - 2;
     let mut counted = Vec::new();
@@ -203,7 +201,7 @@ fn who_goes_down_and_who_goes_left_have_a_heading() {
 #[test]
 fn who_ends_in_the_zone_is_not_counted_there_for_ever() {
     let clip = clip(&[(0, [20.0, 60.0], [4.0, 0.0], 20), (0, [20.0, 160.0], [4.0, 0.0], 60)], 60);
-    let analysis = analysis(&[("zone", "60,20,160,100")]);
+    let analysis = analysis(&[("zones", "60,20,160,100")]);
     let mut walk = analysis.walk(&clip, 0).expect("it starts");
     let mut inside = |unit: usize| {
         walk.jump(Move::To(Cursor { unit, event: usize::MAX }));
@@ -241,7 +239,7 @@ fn a_car_against_its_lane_is_the_only_anomaly_and_counted_the_other_way() {
     let ways = paths.values().filter(|path| passes(path)).map(|path| velocity(path) > 0.0);
     let (right, left): (Vec<bool>, Vec<bool>) = ways.partition(|way| *way);
     for seed in ["1", "2", "3", "4", "5"] {
-        let settings = [("lines", "160,239,160,0"), ("zones", "96,122,224,168"), ("seed", seed)];
+        let settings = [("lines", "160,239,160,0"), ("zones", "96,122,224,168"), ("tracker.seed", seed)];
         let field = run(&*analysis(&settings), &clip);
         assert_eq!(crossings(&field.trajectories), [right.len(), left.len()], "noise {seed}");
         let unusual: Vec<_> =

@@ -181,12 +181,9 @@ pub fn initial_frame(clip: &Clip, is_of_pair: bool) -> usize {
     frame
 }
 
-/// Says of each of `settings` that has no effect on `estimators` why it has none, and which parameters have another name by now.
+/// Says of each of `settings` that has no effect on `estimators` why it has none.
 pub fn warn_of_idle(estimators: &[&dyn AnyEstimator], settings: &[String]) {
     for setting in settings {
-        if let Some(note) = comparison::renamed(estimators, setting) {
-            remark(&format!("note: --set {}: {note}", Error::short_name(setting)));
-        }
         if let Some(why) = comparison::why_idle(estimators, setting) {
             remark(&format!("warning: --set {}: {why}", Error::short_name(setting)));
         }

@@ -485,9 +485,9 @@ pub fn rounds(source: &Source, estimators: &[Box<dyn AnyEstimator>], sweep: Opti
         Round { source, compared_estimators: estimators.into_iter().map(compared).collect() }
     };
     let Some(sweep) = sweep else { return Ok(vec![round(source.clone(), copies(), None)]) };
-    let (name, values) = sweep
-        .split_once('=')
-        .ok_or_else(|| Error::new(format!("a sweep has the form NAME=V1,V2,.. as in range=4,8,16, not {sweep}")))?;
+    let (name, values) = sweep.split_once('=').ok_or_else(|| {
+        Error::new(format!("a sweep has the form NAME=V1,V2,.. as in search-range=4,8,16, not {sweep}"))
+    })?;
     let is_parameter = name.contains('.') || estimators.iter().any(|estimator| estimator.get(name).is_ok());
     let one = |value: &str| {
         let (mut source, mut estimators) = (source.clone(), copies());
@@ -547,18 +547,6 @@ pub fn why_idle(estimators: &[&dyn AnyEstimator], setting: &str) -> Option<&'sta
     let mut having = estimators.iter().filter(|estimator| estimator.get(&of(**estimator)).is_ok()).peekable();
     let first = having.peek()?.why_idle(&of(**having.peek()?));
     if having.all(|estimator| estimator.why_idle(&of(*estimator)).is_some()) { first } else { None }
-}
-
-/// The note that a setting `NAME=VALUE` uses an earlier name of a parameter, with the present one.
-pub fn renamed(estimators: &[&dyn AnyEstimator], setting: &str) -> Option<String> {
-    let name = setting.split_once('=')?.0.trim();
-    let note = |estimator: &&dyn AnyEstimator| {
-        let own = name.strip_prefix(estimator.info().id).and_then(|rest| rest.strip_prefix('.')).unwrap_or(name);
-        let head = own.split('.').next().unwrap_or(own);
-        let (old, new) = estimator.renamed().iter().find(|(old, _)| *old == head)?;
-        Some(format!("{old} is now called {new}; the earlier name still works"))
-    };
-    estimators.iter().find_map(note)
 }
 
 /// Sets `name` in all of `estimators` that have it.

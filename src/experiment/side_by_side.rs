@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use motionscope_core::base::{Error, Threads};
 use motionscope_core::course::{estimator, estimators};
 use motionscope_core::data::Clip;
-use motionscope_core::params::{Kind, Spec, Value, current_name};
+use motionscope_core::params::{Kind, Spec, Value};
 use motionscope_core::run::{AnyEstimator, Info, Pace, Walk, lockstep};
 
 use crate::experiment::{first, source};
@@ -73,8 +73,7 @@ impl Companion {
     /// Sets parameter `name` for this estimator alone; a dotted name is that of a parameter of its stage.
     fn set(&mut self, name: &str, value: &str) -> Result<(), Error> {
         self.estimator.set(name, value)?;
-        let name = current_name(&*self.estimator, name);
-        self.own.insert(name.split('.').next().unwrap_or(&name).to_owned());
+        self.own.insert(name.split('.').next().unwrap_or(name).to_owned());
         Ok(())
     }
 
@@ -292,23 +291,31 @@ mod tests {
     #[test]
     fn all_work_under_the_conditions_of_the_leader() {
         let mut leader = estimator("diamond").unwrap();
-        leader.set("block", "8").unwrap();
+        leader.set("block-size", "8").unwrap();
         let mut side_by_side = SideBySide::of(&*leader, &["full-search", "hierarchical"], Pace::Budget).unwrap();
         let of = |side_by_side: &SideBySide, i: usize, name| side_by_side.beside[i].estimator.get(name).unwrap();
-        assert_eq!((of(&side_by_side, 0, "block"), of(&side_by_side, 1, "block")), (Value::Int(8), Value::Int(8)));
-        for setting in ["range=7", "hierarchical.levels=2", "order=spiral", "diamond.block=12", "3.range=5"] {
+        assert_eq!(
+            (of(&side_by_side, 0, "block-size"), of(&side_by_side, 1, "block-size")),
+            (Value::Int(8), Value::Int(8))
+        );
+        for setting in
+            ["search-range=7", "hierarchical.levels=2", "order=spiral", "diamond.block-size=12", "3.search-range=5"]
+        {
             side_by_side.set(&mut *leader, setting).unwrap();
         }
-        assert_eq!((of(&side_by_side, 0, "range"), of(&side_by_side, 1, "levels")), (Value::Int(7), Value::Int(2)));
-        assert_eq!(of(&side_by_side, 1, "range"), Value::Int(5), "set for the third alone");
         assert_eq!(
-            (of(&side_by_side, 0, "order"), of(&side_by_side, 1, "block")),
+            (of(&side_by_side, 0, "search-range"), of(&side_by_side, 1, "levels")),
+            (Value::Int(7), Value::Int(2))
+        );
+        assert_eq!(of(&side_by_side, 1, "search-range"), Value::Int(5), "set for the third alone");
+        assert_eq!(
+            (of(&side_by_side, 0, "order"), of(&side_by_side, 1, "block-size")),
             (Value::Choice("spiral"), Value::Int(12))
         );
         let mut message = |setting: &str| side_by_side.set(&mut *leader, setting).unwrap_err().to_string();
         assert!(message("hexagon.levels=4").contains("--beside"));
         assert!(message("coarse.order=spiral").contains("coarse is not in lockstep"));
-        assert!(message("magic=4").contains("magic") && message("block").contains("NAME=VALUE"));
+        assert!(message("magic=4").contains("magic") && message("block-size").contains("NAME=VALUE"));
     }
 
     #[test]

@@ -33,7 +33,7 @@ fn ink() -> Freehand {
 
 fn session(source: Source) -> Session {
     let mut estimator = estimator("full-search").unwrap();
-    estimator.set("block", "8").unwrap();
+    estimator.set("block-size", "8").unwrap();
     estimator.set("early-exit", "on").unwrap();
     let mut side_by_side = SideBySide::of(&*estimator, &["diamond", "hierarchical"], Pace::Budget).unwrap();
     side_by_side.set(&mut *estimator, "hierarchical.levels=4").unwrap();
@@ -244,7 +244,7 @@ fn what_is_no_session_is_reported_in_a_sentence() {
         (&format!("{start}estimator = \"full-search\"\n[[beside]]\nestimator = \"magic\""), "no estimator magic"),
         (&format!("{start}estimator = \"full-search\"\n[[beside]]\nestimator = \"kalman-filter\""), "on a whole clip"),
         (&format!("{start}estimator = \"full-search\"\npace = \"slow\""), "block, budget"),
-        (&format!("{start}estimator = \"full-search\"\n[set]\nblock = 400"), "4 to 64 px"),
+        (&format!("{start}estimator = \"full-search\"\n[set]\nblock-size = 400"), "4 to 64 px"),
         (&format!("{start}estimator = \"full-search\"\n[picture]\nview = \"up\""), "side-by-side"),
         (&format!("{start}estimator = \"full-search\"\n[picture]\nblend = 1.5"), "0 to 1, not 1.5"),
         (&format!("{start}estimator = \"full-search\"\n[picture]\narrows = 1e38"), "0.01 to 100 or auto"),
@@ -271,8 +271,8 @@ fn line_and_key_are_reported_in_words() {
             "line 4: there is no key frmae here; there are motionscope, clip, truth, detections, right, calibration, depths, disparity-scale, depth-scale, contrast, estimator",
         ),
         ("clip.a = 3", "line 4 is not written as key = value"),
-        ("\n[set]\n\nblock = 400", "line 7, set.block: "),
-        ("[set]\nblock = [4]", "line 5, set.block: a single value is needed, not a list"),
+        ("\n[set]\n\nblock-size = 400", "line 7, set.block-size: "),
+        ("[set]\nblock-size = [4]", "line 5, set.block-size: a single value is needed, not a list"),
         ("[set]\nblok = 4", "line 5, set.blok: "),
         ("set = 3", "line 4, set: a section is needed, not 3"),
         ("[picture]\nlevel = true", "line 5, picture.level: a number or a text in quotes is needed, not true"),
@@ -297,7 +297,7 @@ fn line_and_key_are_reported_in_words() {
         ("[sight]\ncenter = [1, 2]\nzoom = 1\nsize = 3", "line 7, sight.size: a list of 2 numbers is needed, not 3"),
         ("beside = 1", "line 4, beside: a list of sections is needed, not 1"),
         ("[[beside]]\nset = {}", "line 4: beside has no key estimator; add it"),
-        ("[[beside]]\nestimator = \"diamond\"\nset = { block = 400 }", "line 6, beside.set.block: "),
+        ("[[beside]]\nestimator = \"diamond\"\nset = { block-size = 400 }", "line 6, beside.set.block-size: "),
         ("[[beside]]\nestimator = \"magic\"", "line 5, beside.estimator: there is no estimator magic"),
     ] {
         let whole = format!("{start}{text}\n");
@@ -433,12 +433,12 @@ fn those_beside_it_keep_the_parameters_of_their_stages() {
 #[test]
 fn an_old_session_opens_unchanged() {
     let text = "motionscope = 1\nclip = \"a.mp4\"\ntruth = \"t.flo\"\nestimator = \"full-search\"\nframe = 3\nstep = \"30.2\"\n\
-                [set]\nblock = 8\n[picture]\nview = \"blend\"\nlevel = \"at-work\"\nblend = 0.8\ntheme = \"light\"\n\
+                [set]\nblock-size = 8\n[picture]\nview = \"blend\"\nlevel = \"at-work\"\nblend = 0.8\ntheme = \"light\"\n\
                 colors = \"turbo\"\nlayer = \"error\"\nlayer-opacity = 0.5\narrows = 2.5\narrow-spacing = 16\nstreaks = 0.25\n\
                 legend = false\ncaption = true\n";
     let Session { experiment, position, look, sight, freehand } = Session::parse(text, Path::new("there")).unwrap();
     assert_eq!(experiment.given, Given { truth: Some("there/t.flo".into()), ..Given::default() });
-    assert_eq!((experiment.frame, experiment.estimator.get("block")), (3, Ok(Value::Int(8))));
+    assert_eq!((experiment.frame, experiment.estimator.get("block-size")), (3, Ok(Value::Int(8))));
     assert_eq!(position, Position { cursor: Some(Cursor { unit: 29, event: 2 }), held: None });
     let expected = Look {
         view: Some(View::Blend),

@@ -97,7 +97,7 @@ fn the_budget_is_shared_and_parameters_are() {
             .map(|one| one.estimator.get(name).expect("they have it"))
             .collect()
     };
-    assert_eq!(all(&window, "range"), [Value::Int(4), Value::Int(4)]);
+    assert_eq!(all(&window, "search-range"), [Value::Int(4), Value::Int(4)]);
     window.click_role(Role::ComboBox, "In lockstep by");
     window.click("same budget");
     assert_eq!(window.app().document().side_by_side().pace, Pace::Budget);

@@ -40,18 +40,18 @@ fn seen_on(entry: &Spec) -> (Experiment, Look, Option<Cursor>) {
     match entry.name.as_str() {
         "level" => {
             let step = Cursor { unit: 1, event: 4 };
-            (with("hierarchical", &[("block", "8"), ("levels", "3")]), look, Some(step))
+            (with("hierarchical", &[("block-size", "8"), ("levels", "3")]), look, Some(step))
         }
         "focus" => {
             let step = Cursor { unit: 5, event: 4 };
-            (with("full-search", &[("range", "4")]), look, Some(step))
+            (with("full-search", &[("search-range", "4")]), look, Some(step))
         }
         "landscape" => {
             let step = Cursor { unit: 5, event: 4 };
-            (with("full-search", &[("range", "4")]), Look { view: Some(View::Next), ..look }, Some(step))
+            (with("full-search", &[("search-range", "4")]), Look { view: Some(View::Next), ..look }, Some(step))
         }
         "colors" => (with("lucas-kanade", &[]), Look { layer: Some(FlowLayer::Magnitude), ..look }, None),
-        "blend" => (with("full-search", &[("range", "4")]), Look { view: Some(View::Blend), ..look }, None),
+        "blend" => (with("full-search", &[("search-range", "4")]), Look { view: Some(View::Blend), ..look }, None),
         _ => (with("lucas-kanade", &[]), look, None),
     }
 }

@@ -8,18 +8,18 @@ fn a_parameter_changes_the_run_and_undo_brings_it_back() {
     let (before, place) = (window.sentence(), window.shown().reference().expect("a block").at);
     window.harness.get_by_role_and_label(Role::Slider, "Block size").set_value_accesskit(24.0);
     window.settle();
-    assert_eq!(window.value("block"), Value::Int(24));
+    assert_eq!(window.value("block-size"), Value::Int(24));
     let there = window.shown().reference().expect("a block").at;
     assert!((0..2).all(|i| (there[i] - place[i]).abs() <= 20.0), "it stays where it was: {place:?} {there:?}");
     window.click("Reset block size");
-    assert_eq!(window.value("block"), Value::Int(16));
+    assert_eq!(window.value("block-size"), Value::Int(16));
     window.press(Modifiers::COMMAND, Key::Z);
-    assert_eq!(window.value("block"), Value::Int(24));
+    assert_eq!(window.value("block-size"), Value::Int(24));
     window.press(Modifiers::COMMAND, Key::Z);
-    assert_eq!(window.value("block"), Value::Int(16));
+    assert_eq!(window.value("block-size"), Value::Int(16));
     assert!(window.sentence() == before, "undo shows what was there before");
     window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
-    assert_eq!(window.value("block"), Value::Int(24));
+    assert_eq!(window.value("block-size"), Value::Int(24));
 }
 
 #[test]
@@ -28,10 +28,10 @@ fn dragging_a_slider_is_one_change() {
     let rail = window.harness.get_by_role_and_label(Role::Slider, "Search range").rect();
     let at = |share: f32| Pos2::new(rail.left() + share * rail.width(), rail.center().y);
     window.drag(at(0.25), at(0.75));
-    let Value::Int(range) = window.value("range") else { panic!("the range is a whole number") };
+    let Value::Int(range) = window.value("search-range") else { panic!("the range is a whole number") };
     assert!((44..=52).contains(&range), "{range}");
     window.command(Command::Undo);
-    assert_eq!(window.value("range"), Value::Int(16));
+    assert_eq!(window.value("search-range"), Value::Int(16));
     assert!(!window.app().document().can_undo());
 }
 
@@ -55,10 +55,10 @@ fn each_gesture_on_a_slider_is_taken_back_by_itself() {
     let mut window = Window::usual();
     let rail = window.harness.get_by_role_and_label(Role::Slider, "Search range").rect();
     let at = |share: f32| Pos2::new(rail.left() + share * rail.width(), rail.center().y);
-    let mut seen = vec![window.value("range")];
+    let mut seen = vec![window.value("search-range")];
     for share in [0.3, 0.6] {
         window.click_at(at(share));
-        seen.push(window.value("range"));
+        seen.push(window.value("search-range"));
     }
     for (from, to) in [(0.6, 0.9), (0.9, 0.1)] {
         window.harness.drag_at(at(from));
@@ -68,11 +68,11 @@ fn each_gesture_on_a_slider_is_taken_back_by_itself() {
         // A fast hand: the last move and the release come in one frame.
         window.harness.drop_at(at(to));
         window.settle();
-        seen.push(window.value("range"));
+        seen.push(window.value("search-range"));
     }
     for before in seen.iter().rev().skip(1) {
         window.command(Command::Undo);
-        assert_eq!(window.value("range"), *before, "of {seen:?}");
+        assert_eq!(window.value("search-range"), *before, "of {seen:?}");
     }
     assert!(!window.app().document().can_undo());
 }
@@ -157,9 +157,9 @@ fn a_narrow_window_has_the_parameters_that_matter_most_in_its_header() {
         let before = pictures(&window);
         window.harness.get_by_role_and_label(Role::SpinButton, "Block size").set_value_accesskit(24.0);
         window.settle();
-        assert_eq!(window.value("block"), Value::Int(24));
+        assert_eq!(window.value("block-size"), Value::Int(24));
         window.command(Command::Undo);
-        assert_eq!(window.value("block"), Value::Int(16), "one gesture is one change");
+        assert_eq!(window.value("block-size"), Value::Int(16), "one gesture is one change");
         assert_eq!(pictures(&window), before);
         window.command(Command::Present);
         assert!(field(&window, "Block size").is_none(), "nothing stands around the pictures in full screen");

@@ -126,12 +126,11 @@ fn a_line_is_drawn_moved_and_taken_back() {
 #[test]
 fn what_was_placed_is_kept_in_a_session() {
     let clip = "synth:traffic,width=160,height=120,frames=8";
-    let set = "[set]\nline = \"80,100,80,20\"\nzone = \"10,20,60,90\"\nclicks = \"0:5,6 2:7.5,8\"\n";
+    let set = "[set]\nlines = \"80,100,80,20\"\nzones = \"10,20,60,90\"\ntracker.clicks = \"0:5,6 2:7.5,8\"\n";
     let text =
         format!("motionscope = 1\nclip = \"{clip}\"\nestimator = \"trajectory-analysis\"\nstep = \"3.1\"\n{set}");
     let folder = Path::new(".");
     let again = Session::parse(&text, folder).and_then(|session| session.text(folder)).expect("it is a session");
-    // What was clicked is the tracker's by now; a session of before says it as it was said then.
     for line in ["lines = \"80,100,80,20\"", "zones = \"10,20,60,90\"", "tracker.clicks", "\"0:5,6 2:7.5,8\""] {
         assert!(again.contains(line), "{line} is not in {again}");
     }

@@ -80,7 +80,7 @@ fn ink_goes_and_comes_with_its_step() {
 #[test]
 fn the_pen_has_its_own_undo_its_colours_and_a_way_out() {
     let mut window = at_frame_t();
-    let block = window.value("block");
+    let block = window.value("block-size");
     window.key(Key::W);
     draw(&mut window, [60.0, 80.0], [140.0, 120.0]);
     window.key(Key::K);
@@ -99,7 +99,7 @@ fn the_pen_has_its_own_undo_its_colours_and_a_way_out() {
     window.click_at(on_screen(&window, [100.0, 60.0]));
     let ink = window.app().ink();
     assert_eq!(ink.last().map(|dot| (dot.color, dot.points.len())), Some((PenColor::Blue, 1)), "a click is a dot");
-    assert_eq!(window.value("block"), block, "no parameter was undone");
+    assert_eq!(window.value("block-size"), block, "no parameter was undone");
     let cursor = window.cursor();
     window.key(Key::Escape);
     draw(&mut window, [60.0, 80.0], [140.0, 120.0]);

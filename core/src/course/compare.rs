@@ -157,7 +157,7 @@ pub fn kept_in_pan(
     let cut = |frame: &Arc<Frame>, left| disturb::cut(frame.luma(), left, current.size().0 - pan_px);
     let (here, still, panned) = (cut(&current, pan_px), cut(&next, pan_px), cut(&next, 0));
     let mut full = full_search_like(estimator)?;
-    full.set("range", "16")?;
+    full.set("search-range", "16")?;
     let (still, moved) = (run(&*full, [&here, &still])?, run(estimator, [&here, &panned])?);
     let candidates = moved.tested().map_or(0.0, |tested| candidates_mean(&tested));
     let kept = kept(&still, &moved, [pan_px as f32, 0.0]).ok_or_else(|| {
@@ -254,14 +254,14 @@ mod tests {
             settings.iter().for_each(|(name, value)| estimator.set(name, value).expect("in range"));
             estimator
         };
-        let from = changed("full-search", &[("block", "8"), ("cost", "ssd")]);
+        let from = changed("full-search", &[("block-size", "8"), ("cost", "ssd")]);
         let to = changed_alike(&*from, of("diamond"));
-        assert_eq!([to.get("block"), to.get("cost")], [Ok(Value::Int(8)), Ok(Value::Choice("ssd"))]);
+        assert_eq!([to.get("block-size"), to.get("cost")], [Ok(Value::Int(8)), Ok(Value::Choice("ssd"))]);
         // Iterations of another kind, and another family.
-        let from = changed("lucas-kanade", &[("iterations", "7"), ("smoothing", "1.5"), ("derivatives", "sobel")]);
+        let from = changed("lucas-kanade", &[("iterations", "7"), ("sigma", "1.5"), ("derivatives", "sobel")]);
         let to = changed_alike(&*from, of("horn-schunck"));
         assert_eq!(to.get("iterations"), of("horn-schunck").get("iterations"));
-        assert_eq!(to.get("smoothing"), Ok(Value::Real(1.5)));
+        assert_eq!(to.get("sigma"), Ok(Value::Real(1.5)));
         assert_eq!(changed_alike(&*from, of("harris")).values(), of("harris").values());
     }
 
@@ -304,7 +304,7 @@ mod tests {
         let (clip, threads) = (clip(), Threads::single());
         let kept = |id: &str, range: &str, pan_px| {
             let mut search = estimator(id).expect("it");
-            search.set("range", range).expect("in range");
+            search.set("search-range", range).expect("in range");
             kept_in_pan(&*search, (&clip, 0), pan_px, &threads).map(|(share, _)| share)
         };
         assert_eq!(kept("full-search", "16", 0), Ok(1.0));

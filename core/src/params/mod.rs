@@ -13,7 +13,6 @@ mod field;
 mod part;
 mod placed;
 
-use std::borrow::Cow;
 use std::fmt;
 
 pub use field::{Declared, Field};
@@ -287,7 +286,6 @@ pub trait Params {
     /// Why the parameter called `name` has no effect now, in a sentence; `stage.name` where the stage has none either.
     /// `None` where it has one, or there is no such parameter.
     fn why_idle(&self, name: &str) -> Option<&'static str> {
-        let name = &*current_name(self, name);
         let (head, inner) = name.split_once('.').map_or((name, None), |(head, inner)| (head, Some(inner)));
         let index = find(self.specs(), head).ok()?;
         self.idle(index).or_else(|| match self.value(index) {
@@ -296,17 +294,11 @@ pub trait Params {
         })
     }
 
-    /// Earlier names of parameters with the present ones.
-    fn renamed(&self) -> &'static [(&'static str, &'static str)] {
-        &[]
-    }
-
     /// The value of the parameter called `name`.
     ///
     /// # Errors
     /// A sentence with the existing names.
     fn get(&self, name: &str) -> Result<Value, Error> {
-        let name = &*current_name(self, name);
         match name.split_once('.') {
             Some((stage, inner)) => stage_of(self, stage).and_then(|(_, stage)| stage.part().get(inner)),
             None => find(self.specs(), name).map(|index| self.value(index)),
@@ -341,18 +333,8 @@ pub trait Params {
     }
 }
 
-/// The present name of a parameter: `detector.rate` may have moved to `tracker.detector.rate`.
-pub fn current_name<'a, P: Params + ?Sized>(params: &P, name: &'a str) -> Cow<'a, str> {
-    let (head, rest) = name.split_at(name.find('.').unwrap_or(name.len()));
-    match params.renamed().iter().find(|(old, _)| *old == head) {
-        Some((_, new)) => Cow::Owned(format!("{new}{rest}")),
-        None => Cow::Borrowed(name),
-    }
-}
-
 /// As [`Params::set`].
 pub(crate) fn set_by_name<P: Params + ?Sized>(params: &mut P, name: &str, text: &str) -> Result<(), Error> {
-    let name = &*current_name(params, name);
     if let Some((stage, inner)) = name.split_once('.') {
         let (index, mut stage) = stage_of(params, stage)?;
         stage.part_mut().set(inner, text)?;
@@ -387,25 +369,16 @@ fn find(specs: &'static [Spec], name: &str) -> Result<usize, Error> {
     })
 }
 
-/// Old names with new ones.
-type Renamed = [(&'static str, &'static str)];
-
 /// Marks the parameters that are seldom changed.
 #[doc(hidden)]
-pub fn mark_advanced(specs: &mut [Spec], names: &[&str], renamed: &Renamed) {
-    names.iter().for_each(|name| marked(specs, name_now(name, renamed)).advanced = true);
+pub fn mark_advanced(specs: &mut [Spec], names: &[&str]) {
+    names.iter().for_each(|name| marked(specs, name).advanced = true);
 }
 
 /// Notes why parameters have no effect now and then.
 #[doc(hidden)]
-pub fn mark_conditional(specs: &mut [Spec], names: &[(&str, &'static str)], renamed: &Renamed) {
-    names.iter().for_each(|(name, why)| marked(specs, name_now(name, renamed)).idle.push(why));
-}
-
-/// The present name of a parameter.
-#[doc(hidden)]
-pub fn name_now<'a>(name: &'a str, renamed: &Renamed) -> &'a str {
-    renamed.iter().find(|(old, _)| *old == name).map_or(name, |(_, new)| new)
+pub fn mark_conditional(specs: &mut [Spec], names: &[(&str, &'static str)]) {
+    names.iter().for_each(|(name, why)| marked(specs, name).idle.push(why));
 }
 
 /// The declaration called `name`, of which something is said.
@@ -527,20 +500,15 @@ macro_rules! inner_params {
             fn idle(&self, index: usize) -> Option<&'static str> {
                 self.0.idle(index)
             }
-
-            fn renamed(&self) -> &'static [(&'static str, &'static str)] {
-                self.0.renamed()
-            }
         }
     };
 }
 pub(crate) use inner_params;
 
 /// Declares a struct of parameters with its [`Default`] and [`Params`]. What several structs have in common is declared once
-/// and is a field of each: its parameters stand in the place of that field. `renamed { "old" => "new" }` behind the struct
-/// keeps names that parameters had before, `advanced { "name" }` says which are seldom changed, and
-/// `when { "name": |p| condition, "Sentence."; }` when a parameter has an effect, and why it has none where the condition does
-/// not hold. Both take the parameters of fields that are structs as well, and stages.
+/// and is a field of each: its parameters stand in the place of that field. Behind the struct, `advanced { "name" }` says
+/// which are seldom changed, and `when { "name": |p| condition, "Sentence."; }` when a parameter has an effect, and why it has none
+/// where the condition does not hold. Both take the parameters of fields that are structs as well, and stages.
 ///
 /// ```
 /// motionscope_core::params! {
@@ -601,7 +569,6 @@ macro_rules! params {
                 $field:ident: $ty:ty = $default:expr $(, $range:expr $(, $unit:literal)?)?;
             )*
         }
-        $(renamed { $($old:literal => $new:literal),+ $(,)? })?
         $(advanced { $($advanced:literal),+ $(,)? })?
         $(when { $($conditional:literal: $when:expr, $why:literal;)+ })?
     ) => {
@@ -615,11 +582,6 @@ macro_rules! params {
             fn default() -> Self {
                 Self { $( $field: $default, )* }
             }
-        }
-
-        impl $name {
-            /// Names that parameters had before, with those that they have now.
-            const RENAMED: &'static [(&'static str, &'static str)] = &[$($(($old, $new)),+)?];
         }
 
         impl $crate::params::Field for $name {
@@ -636,8 +598,8 @@ macro_rules! params {
                     };
                     specs.extend(<$ty as $crate::params::Field>::specs_of(&declared, ($($range)?), &default.$field));
                 )*
-                $crate::params::mark_advanced(&mut specs, &[$($($advanced),+)?], Self::RENAMED);
-                $crate::params::mark_conditional(&mut specs, &[$($(($conditional, $why)),+)?], Self::RENAMED);
+                $crate::params::mark_advanced(&mut specs, &[$($($advanced),+)?]);
+                $crate::params::mark_conditional(&mut specs, &[$($(($conditional, $why)),+)?]);
                 specs
             }
 
@@ -646,7 +608,7 @@ macro_rules! params {
                 $(
                     let name = $crate::params::Params::specs(self)[index].name.as_str();
                     $(
-                        if name == $crate::params::name_now($conditional, Self::RENAMED) && !$crate::params::holds(self, $when) {
+                        if name == $conditional && !$crate::params::holds(self, $when) {
                             return Some($why);
                         }
                     )+
@@ -704,10 +666,6 @@ macro_rules! params {
 
             fn idle(&self, index: usize) -> Option<&'static str> {
                 $crate::params::Field::idle_of(self, index)
-            }
-
-            fn renamed(&self) -> &'static [(&'static str, &'static str)] {
-                Self::RENAMED
             }
         }
     };

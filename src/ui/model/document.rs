@@ -444,7 +444,7 @@ mod tests {
     #[test]
     fn parameters_change_and_come_back() {
         let mut document = document();
-        let at = |d: &Document| d.estimator().get("block").unwrap();
+        let at = |d: &Document| d.estimator().get("block-size").unwrap();
         assert!(!document.is_tuned(Owner::Estimator));
         document.set(Owner::Estimator, 0, Value::Int(20)).unwrap();
         document.set(Owner::Estimator, 0, Value::Int(24)).unwrap();

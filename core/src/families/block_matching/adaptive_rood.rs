@@ -26,7 +26,6 @@ block_search_params! {
         /// searches every block. The paper uses SAD 512 for 16×16 px, which is 2 gray levels per pixel.
         zero_motion_threshold: f32 = 2.0, 0.0..=16.0, "gray levels";
     }
-    renamed { "still" => "zero-motion-threshold" }
 }
 
 cases! { over value;

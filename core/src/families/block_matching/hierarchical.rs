@@ -45,7 +45,6 @@ block_search_params! {
         /// Largest correction of the doubled motion vector on each finer level.
         refinement_range: usize = 1, 1..=4, "px";
     }
-    renamed { "refine" => "refinement-range" }
 }
 
 /// The state of a hierarchical search.

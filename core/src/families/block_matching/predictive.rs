@@ -40,16 +40,6 @@ block_search_params! {
         /// predictors. The two previous pairs are then searched first.
         temporal_predictor: bool = false;
     }
-    renamed {
-        "enough" => "termination-threshold",
-        "poor" => "fixed-threshold",
-        "grid-threshold" => "fixed-threshold",
-        "grid" => "fixed-step",
-        "grid-step" => "fixed-step",
-        "starts" => "fixed-squares",
-        "grid-starts" => "fixed-squares",
-        "temporal" => "temporal-predictor",
-    }
 }
 
 cases! { over value;

@@ -29,7 +29,6 @@ block_search_params! {
         /// Smallest relative decrease of the minimum per iteration; below it, the search stops. 0 disables the criterion.
         min_decrease: f32 = 0.0, 0.0..=100.0, "%";
     }
-    renamed { "smallest" => "min-window", "least-gain" => "min-decrease" }
 }
 
 cases! { over value;

@@ -63,7 +63,6 @@ params! {
         /// Smallest accepted ZNCC of template and match, whatever the score. Below it the template is lost.
         min_zncc: f32 = 0.5, 0.0..=1.0;
     }
-    renamed { "range" => "search-range" }
     advanced { "method", "min-zncc" }
     when {
         "method": |p| p.score != Score::Sad, "The method has no effect on SAD, which no product of spectra gives.";

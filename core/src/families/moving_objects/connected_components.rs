@@ -44,7 +44,6 @@ params! {
         /// The parameters of all background subtractions.
         settings: Settings = Settings { opening: 0, area_opening: 9, closing: 4, ..Settings::default() };
     }
-    renamed { "open" => "opening", "close" => "closing" }
     when {
         "mask": |p| p.pixels == Pixels::Foreground, "The detector has no effect unless its foreground is labelled.";
         "threshold": |p| p.pixels != Pixels::Foreground,

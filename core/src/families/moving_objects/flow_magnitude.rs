@@ -25,7 +25,6 @@ params! {
         /// The parameters of all background subtractions.
         settings: Settings = Settings { opening: 1, closing: 3, ..Settings::default() };
     }
-    renamed { "reach" => "window-radius", "open" => "opening", "close" => "closing" }
 }
 
 /// The previous frame, and its comparison with the current one once that is computed.

@@ -29,7 +29,6 @@ params! {
         /// The parameters of all background subtractions.
         settings: Settings = Settings { opening: 0, area_opening: 9, closing: 4, ..Settings::default() };
     }
-    renamed { "compared" => "differencing", "open" => "opening", "close" => "closing" }
 }
 
 /// The levels of a frame in all of its channels.

@@ -33,7 +33,6 @@ params! {
         /// The parameters of all background subtractions.
         settings: Settings = Settings::default();
     }
-    renamed { "open" => "opening", "close" => "closing" }
     advanced { "median-frames" }
     when {
         "detect-shadows": |p| p.channels == Channels::Color, "Shadow detection has no effect in gray: it needs colour.";

@@ -46,16 +46,6 @@ params! {
         /// The parameters of all background subtractions.
         settings: Settings = Settings::default();
     }
-    renamed {
-        "rate" => "learning-rate",
-        "background" => "background-ratio",
-        "prune" => "complexity-reduction",
-        "first-sigma" => "initial-sigma",
-        "shadows" => "detect-shadows",
-        "darkest" => "shadow-threshold",
-        "open" => "opening",
-        "close" => "closing",
-    }
     advanced { "background-ratio", "complexity-reduction", "initial-sigma", "min-sigma" }
 }
 

@@ -29,7 +29,6 @@ params! {
         /// The parameters of all background subtractions.
         settings: Settings = Settings::default();
     }
-    renamed { "rate" => "learning-rate", "open" => "opening", "close" => "closing" }
     when {
         "detect-shadows": |p| p.channels == Channels::Color, "Shadow detection has no effect in gray: it needs colour.";
         "shadow-threshold": |p| p.channels == Channels::Color, "The shadow threshold has no effect in gray.";

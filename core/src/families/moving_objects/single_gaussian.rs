@@ -37,12 +37,6 @@ params! {
         /// The parameters of all background subtractions.
         settings: Settings = Settings::default();
     }
-    renamed {
-        "rate" => "learning-rate",
-        "first-sigma" => "initial-sigma",
-        "open" => "opening",
-        "close" => "closing",
-    }
     advanced { "initial-sigma", "min-sigma" }
     when {
         "detect-shadows": |p| p.channels == Channels::Color, "Shadow detection has no effect in gray: it needs colour.";

@@ -29,7 +29,6 @@ params! {
         /// Parameters that all variational methods share.
         settings: Settings = Settings { iterations: 20, levels: 4, warps: 3, sigma: 0.5, ..Settings::default() };
     }
-    renamed { "smoothing" => "sigma" }
     when {
         "relaxation": |p| p.solver == Solver::Sor, "Relaxation has no effect unless the solver is SOR.";
     }

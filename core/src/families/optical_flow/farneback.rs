@@ -35,7 +35,6 @@ params! {
         /// Number of pyramid levels, each half the size of the one below, down to 16 px per side. More levels reach larger motion.
         levels: usize = 5, 1..=10;
     }
-    renamed { "neighborhood" => "poly-n", "sigma" => "poly-sigma" }
     advanced { "weights", "damping" }
 }
 

@@ -60,13 +60,6 @@ params! {
         /// Fit gain and offset of the gray values as well, so that changes in illumination do not count as dissimilarity.
         illumination: bool = true;
     }
-    renamed {
-        "quality" => "detector.threshold",
-        "threshold" => "min-eigenvalue",
-        "max-return" => "max-fb-error",
-        "max-change" => "max-dissimilarity",
-        "any-light" => "illumination",
-    }
     advanced { "iterations", "epsilon", "max-residual", "max-fb-error", "max-dissimilarity", "min-correlation", "illumination" }
     when {
         "illumination": |p| p.max_dissimilarity > 0.0, "Illumination has no effect without the dissimilarity check.";

@@ -37,7 +37,6 @@ params! {
         /// Standard deviation σ of the Gaussian that smooths both frames before derivatives are taken. 0 does not smooth.
         sigma: f32 = 0.5, 0.0..=5.0, "px";
     }
-    renamed { "smoothing" => "sigma", "threshold" => "min-eigenvalue" }
     advanced { "derivatives" }
 }
 

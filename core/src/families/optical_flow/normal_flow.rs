@@ -32,7 +32,6 @@ params! {
         /// Smallest gradient magnitude |∇I| with flow, in gray levels per px. Higher values suppress noise but leave more pixels without flow.
         min_gradient: f32 = 3.0, 0.0..=50.0;
     }
-    renamed { "smoothing" => "sigma", "threshold" => "min-gradient" }
 }
 
 /// Remedies where normal flow fails.

@@ -44,11 +44,6 @@ params! {
         /// Number of pyramid levels of feature tracking, each half the size of the one below, down to 16 px per side.
         levels: usize = 4, 1..=8;
     }
-    renamed {
-        "tolerance" => "absolute-tolerance",
-        "share" => "relative-tolerance",
-        "structure" => "min-eigenvalue",
-    }
     advanced { "absolute-tolerance", "relative-tolerance", "min-eigenvalue", "window", "levels" }
 }
 

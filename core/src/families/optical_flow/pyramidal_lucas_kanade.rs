@@ -59,7 +59,6 @@ params! {
         /// Largest accepted mean absolute difference between the windows of both frames, in gray levels. Points above it are lost.
         max_residual: f32 = 20.0, 0.0..=255.0;
     }
-    renamed { "threshold" => "min-eigenvalue" }
     advanced { "iterations", "epsilon", "max-residual" }
     when {
         "detector": |p| p.points == Points::Detect,

@@ -25,7 +25,6 @@ params! {
         /// Parameters that all variational methods share.
         settings: Settings = Settings { iterations: 40, levels: 5, warps: 5, sigma: 0.0, ..Settings::default() };
     }
-    renamed { "smoothing" => "sigma" }
     advanced { "tau" }
 }
 

@@ -53,7 +53,6 @@ params! {
         /// Mean displacement of the points in an iteration below which the contour has converged.
         epsilon: f32 = 0.01, 0.001..=1.0, "px";
     }
-    renamed { "sigma-px" => "sigma", "min-edge" => "min-edge-strength" }
     advanced { "gamma", "mu", "diffusions", "epsilon" }
     when {
         "mu": |p| p.force == External::Flow, "Regularisation has no effect on the gradient of the edge strength, which is not diffused.";

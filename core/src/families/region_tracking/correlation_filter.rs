@@ -48,7 +48,6 @@ params! {
         /// Random seed of these copies. The same seed gives the same copies.
         seed: u32 = 1, 0..=9999;
     }
-    renamed { "sigma-px" => "sigma" }
     advanced { "sigma", "seed" }
     when {
         "rotation": |p| p.perturbations > 0, "Rotation has no effect without perturbations.";

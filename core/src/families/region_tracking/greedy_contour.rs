@@ -39,7 +39,6 @@ params! {
         /// Maximum number of iterations in a frame.
         iterations: usize = 50, 1..=200;
     }
-    renamed { "sigma-px" => "sigma", "min-edge" => "min-edge-strength" }
     advanced { "corner-turn", "corner-edge", "max-moved" }
 }
 

@@ -60,7 +60,6 @@ params! {
         /// Track management.
         rules: Rules = Rules::default();
     }
-    renamed { "confirm" => "min-hits", "patience" => "max-age", "bridge" => "interpolate" }
     advanced { "velocity-frames", "max-distance", "partial" }
     when {
         "velocity-frames": |p| p.predict, "The frames of the velocity have no effect without prediction.";

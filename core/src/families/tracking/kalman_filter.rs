@@ -108,12 +108,6 @@ params! {
         /// motion = imm.
         smooth: bool = true;
     }
-    renamed {
-        "patience" => "max-age",
-        "first-speed" => "initial-speed",
-        "drop-from" => "occlusion-start",
-        "drop-frames" => "occlusion-frames",
-    }
     advanced { "seed", "gate", "occlusion-start", "occlusion-frames", "max-age", "restart", "initial-speed" }
     when {
         "turn-noise": |p| p.motion.turns(),

@@ -82,14 +82,6 @@ params! {
         /// Track management.
         rules: Rules = Rules::default();
     }
-    renamed {
-        "min-overlap" => "iou-threshold",
-        "in-turns" => "cascade",
-        "sure-score" => "score-threshold",
-        "confirm" => "min-hits",
-        "patience" => "max-age",
-        "bridge" => "interpolate",
-    }
     advanced { "cascade", "score-threshold", "recover", "partial" }
     when {
         "gate": |p| p.cost != PairCost::Overlap,

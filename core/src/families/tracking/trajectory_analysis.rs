@@ -43,18 +43,6 @@ params! {
         /// Tracker of the objects, by default in real time (causal), without hindsight.
         tracker: Stage<Tracks> = Stage::named("kalman-tracker");
     }
-    renamed {
-        "line" => "lines",
-        "zone" => "zones",
-        "least-others" => "min-others",
-        "part" => "cell-size",
-        "source" => "tracker.source",
-        "detector" => "tracker.detector",
-        "clicks" => "tracker.clicks",
-        "min-score" => "tracker.min-score",
-        "added-noise" => "tracker.added-noise",
-        "seed" => "tracker.seed",
-    }
     advanced { "min-others", "cell-size" }
 }
 

@@ -294,14 +294,13 @@ pub trait HasSettings {
     fn settings(&self) -> Settings;
 }
 
-/// Declares the parameters of a block search: its own between the shared ones. `renamed` keeps earlier names of its own.
+/// Declares the parameters of a block search: its own between the shared ones.
 macro_rules! block_search_params {
     (
         $(#[$meta:meta])*
         pub struct $name:ident {
             $($own:tt)*
         }
-        $(renamed { $($old:literal => $new:literal),+ $(,)? })?
     ) => {
         $crate::params! {
             $(#[$meta])*
@@ -312,12 +311,6 @@ macro_rules! block_search_params {
                 /// Sub-pixel refinement, rate term and block grid.
                 refinement: $crate::methods::block_search::Refinement =
                     $crate::methods::block_search::Refinement::default();
-            }
-            renamed {
-                "block" => "block-size",
-                "range" => "search-range",
-                "filter" => "interpolation",
-                $($($old => $new),+)?
             }
         }
 

@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 
 use super::super::AnyEstimator;
 use crate::base::Error;
-use crate::params::{Params, Part, Spec, StageValue, Value, current_name, set_by_name};
+use crate::params::{Params, Part, Spec, StageValue, Value, set_by_name};
 
 /// The parameter for the number of frames, of all estimators that process a clip.
 pub(super) const FRAMES: &str = "frames";
@@ -74,19 +74,10 @@ impl Params for Chosen {
         self.estimator.idle(self.whole(index))
     }
 
-    fn renamed(&self) -> &'static [(&'static str, &'static str)] {
-        self.estimator.renamed()
-    }
-
-    /// Refuses a parameter that the parent decides. Older sessions name it with its default, which is accepted.
+    /// Refuses a parameter that the parent decides.
     fn set(&mut self, name: &str, text: &str) -> Result<(), Error> {
-        let name = &*current_name(self, name);
-        let specs = self.estimator.specs();
-        let Some(spec) = specs.iter().find(|spec| spec.name == name && self.decided.contains(&name)) else {
+        if !self.decided.contains(&name) {
             return set_by_name(self, name, text);
-        };
-        if spec.parse(text)? == spec.default {
-            return Ok(());
         }
         Err(Error::new(format!("{name} is set by the parent estimator; set {name} there")))
     }

@@ -23,7 +23,7 @@ fn clip() -> Clip {
 
 fn subject() -> Prepared {
     let mut estimator = estimator("full-search").unwrap();
-    estimator.set("range", "4").unwrap();
+    estimator.set("search-range", "4").unwrap();
     let experiment = Experiment::new(Source::File("shift".into()), estimator);
     Prepared { experiment, clip: clip(), inputs: Arc::default() }
 }
@@ -37,7 +37,7 @@ fn long() -> Job {
     let mut subject = subject();
     let frame = |t: usize| Frame::gray(Grid::from_fn(1600, 1200, |x, y| (x * 31 + y * 57 + x * y % 7 * 20 + t) as u8));
     subject.clip = Clip::from_frames("long", vec![frame(0), frame(2)]).unwrap();
-    for (name, value) in [("block", "8"), ("spacing", "2"), ("range", "16")] {
+    for (name, value) in [("block-size", "8"), ("spacing", "2"), ("search-range", "16")] {
         subject.experiment.estimator.set(name, value).unwrap();
     }
     Job { subject: Arc::new(subject), place: Place::END }
