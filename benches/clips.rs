@@ -16,7 +16,7 @@ fn path() -> PathBuf {
 }
 
 fn fresh() -> Clip {
-    open(&path(), &Open::default()).expect("the clip opens")
+    open(&path(), &Open::default()).expect("the clip opens").clip
 }
 
 fn first_picture(c: &mut Criterion) {

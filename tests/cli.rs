@@ -388,7 +388,7 @@ fn run_tells_one_object_with_time_and_errors() {
     assert!(run["ms"]["min"].as_f64().unwrap() <= run["ms"]["median"].as_f64().unwrap());
     let metrics = &run["metrics"];
     // Each candidate is an event; so is each window, each result, and each new best.
-    let clip = Source::parse(SMALL).unwrap().open(&Open::default()).unwrap();
+    let clip = Source::parse(SMALL).unwrap().open(&Open::default()).unwrap().clip;
     let mut full = estimator("full-search").unwrap();
     full.set("block-size", "8").unwrap();
     full.set("search-range", "7").unwrap();
@@ -417,7 +417,7 @@ fn what_a_run_leaves_behind_can_be_read_again() {
     assert!(rows.starts_with("x_px,y_px,"));
     assert_eq!(fs::metadata(here.join("a.flo")).unwrap().len(), 12 + 64 * 48 * 8);
     assert!(fs::read_to_string(here.join("a.svg")).unwrap().contains("<svg"));
-    let overlay = open(&here.join("a.png"), &Open::default()).unwrap();
+    let overlay = open(&here.join("a.png"), &Open::default()).unwrap().clip;
     assert_eq!(overlay.size(), (4 * 64, 4 * 48), "a finished run is shown on frame t alone");
     // Its own flow as truth: no error at all.
     let same = json(here, &format!("run {SMALL} --estimator full-search --truth a.flo --json"));
@@ -554,7 +554,7 @@ fn a_clip_is_recorded_from_a_camera() {
     );
     assert!(said.contains("ended early: /dev/video9: it sends no more frames; plug it in again"), "{said}");
     assert!(said.contains("/dev/video9 sends no frames of 640×480 px."), "{said}");
-    let clip = open(&folder.path().join("here/hand.y4m"), &Open::default()).unwrap();
+    let clip = open(&folder.path().join("here/hand.y4m"), &Open::default()).unwrap().clip;
     assert_eq!(clip.frame(2).unwrap().luma().cells(), b"ijkl");
 
     let (folder, output) = with_ffmpeg("echo '/dev/video9: Permission denied' >&2; exit 1", line);
@@ -1261,7 +1261,7 @@ fn masks_are_written_one_for_each_frame() {
         .collect();
     names.sort();
     assert_eq!(names, ["mask_0001.png", "mask_0002.png", "mask_0003.png", "mask_0004.png"]);
-    let mask = open(&folder.path().join("masks/mask_0003.png"), &Open::default()).unwrap();
+    let mask = open(&folder.path().join("masks/mask_0003.png"), &Open::default()).unwrap().clip;
     assert_eq!(mask.size(), (160, 120));
     assert!(mask.frame(0).unwrap().luma().cells().iter().all(|gray| [0, 255].contains(gray)));
     let table = fs::read_to_string(folder.path().join("blobs.csv")).unwrap();
@@ -1306,7 +1306,7 @@ fn a_clip_of_ones_own_asks_for_the_box_of_the_object() {
     let bundled = Source::parse("synth:translation").unwrap();
     let mut asked = Vec::new();
     for mut estimator in estimators() {
-        let clip = own.open(&Open::default()).unwrap();
+        let clip = own.open(&Open::default()).unwrap().clip;
         let is_zone = |spec: &&Spec| matches!(spec.kind, Kind::Placed(Figure::Zone));
         let zone = estimator.specs().iter().find(is_zone).map(|spec| spec.name.clone());
         let id = estimator.info().id;

@@ -79,7 +79,7 @@ fn ours() -> Open {
 /// Opens a clip and asks for its frames, there and back.
 fn clip(path: &Path) -> Found {
     let clip = match media::open(path, &ours()) {
-        Ok(clip) => clip,
+        Ok(opened) => opened.clip,
         Err(error) => return Found::of([&error]),
     };
     let frames = clip.info().frames.unwrap_or(FRAMES).min(FRAMES);
@@ -228,9 +228,8 @@ fn numbered_stills() {
 fn truth(path: &Path) -> Found {
     let frames = (0..3).map(|_| Frame::gray(Grid::new(6, 5, 0))).collect();
     let clip = Clip::from_frames("clip", frames).expect("a clip");
-    let clip = match media::with_given_files(clip, &Open::from(Given { truth: Some(path.into()), ..Given::default() }))
-    {
-        Ok(clip) => clip,
+    let clip = match media::open_scene(clip, &Open::from(Given { truth: Some(path.into()), ..Given::default() })) {
+        Ok(opened) => opened.clip,
         Err(error) => return Found::of([&error]),
     };
     let Some(truth) = clip.truth() else { return Found::default() };

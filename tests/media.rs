@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use motionscope::media::{Open, Progress, open};
+use motionscope::media::{Open, OpenedClip, Progress, open};
 use motionscope_core::base::Error;
 use motionscope_core::data::{Clip, Frame};
 use proptest::prelude::*;
@@ -20,7 +20,7 @@ fn ours() -> Open {
 }
 
 fn own(name: &str) -> Clip {
-    open(&fixture(name), &ours()).expect("the fixture opens")
+    open(&fixture(name), &ours()).expect("the fixture opens").clip
 }
 
 fn refusal(path: &Path) -> String {
@@ -124,7 +124,7 @@ fn a_false_name_is_reported_and_the_clip_opens() {
     ] {
         let path = folder.path().join(false_name);
         fs::copy(fixture(name), &path).unwrap();
-        let clip = open(&path, &ours()).unwrap();
+        let clip = open(&path, &ours()).unwrap().clip;
         assert!(clip.info().warnings[0].contains(words), "{:?}", clip.info().warnings);
         assert!(clip.frame(1).is_ok());
     }
@@ -166,11 +166,11 @@ fn what_cannot_be_opened_says_why_and_what_to_do() {
 fn other_codecs_open_by_ffmpeg_or_say_so() {
     for (name, frames) in [("vp8.webm", 4), ("mpeg4.avi", 6), ("mpeg4.mp4", 60), ("h264_444.mp4", 3)] {
         match open(&fixture(name), &Open::default()) {
-            Ok(clip) => {
+            Ok(OpenedClip { clip, .. }) => {
                 assert_eq!((clip.size(), clip.info().frames), ((64, 48), Some(frames)), "{name}");
                 assert!(clip.info().warnings[0].contains("ffmpeg"));
                 let forwards: Vec<_> = (0..frames).map(|t| clip.frame(t).unwrap()).collect();
-                let small = open(&fixture(name), &Open { cache_bytes: 0, ..Open::default() }).unwrap();
+                let small = open(&fixture(name), &Open { cache_bytes: 0, ..Open::default() }).unwrap().clip;
                 assert!((0..frames).rev().all(|t| small.frame(t).unwrap() == forwards[t]), "{name}");
             }
             Err(error) => assert!(error.to_string().contains("install ffmpeg"), "{error}"),
@@ -215,7 +215,7 @@ fn opening_can_be_cancelled() {
     let options = Open { progress: Some(progress.clone()), ..ours() };
     assert!(open(&path, &options).unwrap_err().to_string().contains("cancelled"));
     assert_eq!(progress.0.load(Ordering::Relaxed), 1);
-    assert_eq!(open(&path, &ours()).unwrap().info().frames, Some(5000));
+    assert_eq!(open(&path, &ours()).unwrap().clip.info().frames, Some(5000));
 }
 
 const WHOLE: [&str; 16] = [
@@ -242,8 +242,9 @@ fn survive(bytes: &[u8]) -> Result<usize, Error> {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("damaged.clip");
     fs::write(&path, bytes).expect("written");
-    let clip =
-        open(&path, &ours()).inspect_err(|error| assert!(error.to_string().contains("damaged.clip"), "{error}"))?;
+    let opened = open(&path, &ours());
+    let OpenedClip { clip, .. } =
+        opened.inspect_err(|error| assert!(error.to_string().contains("damaged.clip"), "{error}"))?;
     let frames = clip.info().frames.expect("counted");
     let shown = |&t: &usize| match clip.frame(t) {
         Ok(frame) => frame.size() == clip.size(),
@@ -265,7 +266,7 @@ fn a_picture_with_a_hole_is_not_passed_off_as_whole() {
         let mut bytes = whole.clone();
         bytes[at..(at + 40).min(whole.len())].iter_mut().for_each(|byte| *byte ^= 0x5A);
         fs::write(&path, &bytes).unwrap();
-        let Ok(clip) = open(&path, &ours()) else { continue };
+        let Ok(OpenedClip { clip, .. }) = open(&path, &ours()) else { continue };
         for index in 0..clip.info().frames.unwrap_or(0) {
             match clip.frame(index) {
                 Ok(frame) => assert!(!is_green_somewhere(&frame), "frame {index}, flipped at {at}"),

@@ -53,7 +53,7 @@ fn a_rendered_pair_opens_with_its_right_view_calibration_and_truth() {
     let here = folder.path();
     motionscope(here, "synth still-life --out pair --set width=160 --set height=96 --set frames=2");
     let made = scene();
-    let read = open(&here.join("pair"), &Open::default()).expect("a clip");
+    let read = open(&here.join("pair"), &Open::default()).expect("a clip").clip;
     assert_eq!(read.info().warnings, [""; 0]);
     assert_eq!(read.calibration(), made.calibration());
     for t in 0..2 {

@@ -370,7 +370,7 @@ fn another_pair_of_frames_is_run_on() {
     let (unit, before) = (window.cursor().unit, window.sentence());
     window.key(Key::Period);
     assert_eq!((window.shown().subject.experiment.frame, window.cursor().unit), (1, unit));
-    let sample = Source::synth("pillar").and_then(|source| source.open(&Open::default())).expect("the sample");
+    let sample = Source::synth("pillar").and_then(|source| source.open(&Open::default())).expect("the sample").clip;
     for (t, frame) in [1, 2].into_iter().zip(&window.shown().pictures.pair) {
         assert!(frame.luma() == sample.frame(t).expect("a frame").luma(), "frame {t} is run on");
     }

@@ -8,7 +8,7 @@ use motionscope_core::base::{Error, Stop};
 
 use super::args::CameraArgs;
 use crate::media::camera::{Cameras, Device, Ffmpeg, Recorded, Size, record};
-use crate::media::name_of;
+use crate::media::names::file_name;
 
 /// Lists the cameras, or records from one; returns the text of the outcome.
 ///
@@ -66,7 +66,7 @@ fn recorded(cameras: &impl Cameras, args: &CameraArgs, out: &Path) -> Result<Str
         record(feed, Duration::from_secs_f32(args.seconds), out, None)?;
     let seconds = time.as_secs_f32();
     let early = ended.map_or_else(String::new, |why| format!("\nThe recording ended early: {why}."));
-    let (name, from) = (name_of(out), device.name());
+    let (name, from) = (file_name(out), device.name());
     let other = if Size::new(width, height) == args.size { String::new() } else { unsent(args.size, from) };
     Ok(format!("{name}: {frames} frames of {width}×{height} px in {seconds:.1} s, from {from}{other}{early}"))
 }

@@ -14,8 +14,8 @@ use super::task;
 use crate::experiment::comparison::{self, Conditions, Repeats, Round, Row};
 use crate::experiment::source::Source;
 use crate::experiment::{course_table, is_of_pair, sweeps};
-use crate::media::export::{self, InputKind, Inputs, Target};
-use crate::media::{Given, Open};
+use crate::media::export::{self, InputKind, Target};
+use crate::media::{Given, Open, OpenedClip};
 use crate::paint::Theme;
 use crate::session::{Named, Session};
 use crate::view::rendering::Format;
@@ -54,11 +54,14 @@ pub fn compare(args: &CompareArgs) -> Result<(), Error> {
     }
     let mut frame = chosen;
     for Round { source, compared_estimators } in rounds {
-        let clip = source.open(&given)?;
+        let OpenedClip { clip, mut inputs } = source.open(&given)?;
         let is_of_pair = compared_estimators.iter().any(|compared| is_of_pair(&*compared.estimator));
         let frame = *frame.get_or_insert_with(|| task::initial_frame(&clip, is_of_pair));
         if rows.is_empty() {
-            refuse_losses(&inputs(args, &source, &clip, &given), &places(args), args.force)?;
+            if Session::is_named(Path::new(&args.clip)) {
+                inputs.add(InputKind::Session, &args.clip);
+            }
+            refuse_losses(&inputs, &places(args), args.force)?;
             tell_truth(&clip);
             for compared in &compared_estimators {
                 task::warn_of_unplaced(&*compared.estimator, (&source, &clip), frame);
@@ -147,15 +150,6 @@ fn plotted(args: &CompareArgs) -> Result<Option<usize>, Error> {
         .ok_or_else(|| Error::new(format!("there is no column {name}; --csv - shows the names of all columns")))
 }
 
-/// Returns all files that the comparison reads.
-fn inputs(args: &CompareArgs, source: &Source, clip: &Clip, given: &Open) -> Inputs {
-    let mut inputs = source.inputs(clip, given);
-    if Session::is_named(Path::new(&args.clip)) {
-        inputs.add(InputKind::Session, &args.clip);
-    }
-    inputs
-}
-
 /// Prints the ground-truth files to standard error.
 fn tell_truth(clip: &Clip) {
     let names = clip.truth().map(|truth| truth.names()).unwrap_or_default();
@@ -166,7 +160,7 @@ fn tell_truth(clip: &Clip) {
 
 /// Measures and prints the course's table.
 fn course(args: &CompareArgs, source: &Source, frame: Option<usize>) -> Result<(), Error> {
-    let clip = source.open(&Open::default())?;
+    let clip = source.open(&Open::default())?.clip;
     let frame = frame.unwrap_or_else(|| task::initial_frame(&clip, true));
     let threads = Threads::new(args.threads as usize)?;
     let course_table = course_table::course_table(

@@ -83,7 +83,7 @@ fn run(args: Args) -> Result<(), Error> {
         Some(Command::Info { clip, next, json, count, truth, given: args }) => {
             let clip = task::clip_name(clip, next)?;
             let Named { source, given, .. } = Named::find(&clip, args.with(Given { truth, ..Given::default() }))?;
-            let clip = source.open(&Open { count, given, ..Open::default() })?;
+            let clip = source.open(&Open { count, given, ..Open::default() })?.clip;
             let info = Info::of(&clip).with_repeats(&clip, count);
             if json { say_json(&to_json(&info)?) } else { say(&info.to_string()) }
         }
@@ -132,7 +132,7 @@ fn glossary(term: &str, json: bool) -> Result<String, Error> {
 fn synth(name: &str, out: &Path, settings: &[String]) -> Result<(), Error> {
     let mut source = Source::parse(format!("synth:{}", name.trim_start_matches("synth:")))?;
     settings.iter().try_for_each(|setting| source.set(setting))?;
-    let clip = source.open(&Open::default())?;
+    let clip = source.open(&Open::default())?.clip;
     media::export::clip(&clip, out, None)?;
     let frames = clip.info().frames.unwrap_or_default();
     say(&format!("{}: {frames} frames with ground truth in {}", clip.info().name, out.display()))

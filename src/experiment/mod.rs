@@ -27,7 +27,7 @@ use motionscope_core::run::{AnyEstimator, Cursor, Info, Walk};
 use serde::Serialize;
 
 use crate::media::export::Inputs;
-use crate::media::{Given, Open};
+use crate::media::{Given, Open, OpenedClip};
 use pixel::Held;
 use side_by_side::SideBySide;
 use source::Source;
@@ -228,9 +228,8 @@ impl Prepared {
     /// As [`Source::open`].
     pub fn open(experiment: Experiment, options: Open) -> Result<Self, Error> {
         let options = Open { given: experiment.given.clone(), ..options };
-        let clip = experiment.source.open(&options)?;
-        let inputs = Arc::new(experiment.source.inputs(&clip, &options));
-        Ok(Self { experiment, clip, inputs })
+        let OpenedClip { clip, inputs } = experiment.source.open(&options)?;
+        Ok(Self { experiment, clip, inputs: Arc::new(inputs) })
     }
 }
 

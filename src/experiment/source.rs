@@ -5,12 +5,10 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use motionscope_core::base::Error;
-use motionscope_core::data::Clip;
 use motionscope_core::params::Params;
 use motionscope_core::synth::{self, Difficulty};
 
-use crate::media::export::Inputs;
-use crate::media::{self, Open};
+use crate::media::{self, Open, OpenedClip};
 
 /// The prefix of a synthetic scene: `synth:pillar`, `synth:pillar,noise=5,speed=2`.
 const SYNTH: &str = "synth:";
@@ -113,23 +111,11 @@ impl Source {
     ///
     /// # Errors
     /// One sentence that names the file, the reason and a remedy.
-    pub fn open(&self, options: &Open) -> Result<Clip, Error> {
+    pub fn open(&self, options: &Open) -> Result<OpenedClip, Error> {
         match self {
             Self::File(path) => media::open(path, options),
             Self::Pair(files) => media::open_pair(files, options),
-            Self::Synth { id, difficulty } => {
-                let clip = synth::make(id, difficulty)?;
-                media::with_detections(media::with_given_files(clip, options)?, options)
-            }
-        }
-    }
-
-    /// Returns the files from which `clip`, opened with `options`, is read.
-    pub fn inputs(&self, clip: &Clip, options: &Open) -> Inputs {
-        match self {
-            Self::File(path) => media::inputs(Some(path), clip, options),
-            Self::Pair(files) => media::inputs_of_pair(files, clip, options),
-            Self::Synth { .. } => media::inputs(None, clip, options),
+            Self::Synth { id, difficulty } => media::open_scene(synth::make(id, difficulty)?, options),
         }
     }
 

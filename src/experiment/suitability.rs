@@ -134,7 +134,7 @@ mod tests {
 
     fn on(id: &str, name: &str) -> Suitability {
         let source = Source::parse(name).expect("a scene");
-        let clip = source.open(&Open::default()).expect("a clip");
+        let clip = source.open(&Open::default()).expect("a clip").clip;
         Suitability::of(&*estimator(id).expect("an estimator"), &source, &clip)
     }
 

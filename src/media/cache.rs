@@ -10,7 +10,7 @@ use std::thread;
 use std::time::Duration;
 
 use motionscope_core::base::{Error, Stop};
-use motionscope_core::data::{Frame, FrameSource};
+use motionscope_core::data::{Clip, Frame, FrameSource};
 
 use super::names::file_name;
 use super::{Decoder, Source, catch_panic, reason};
@@ -27,6 +27,11 @@ pub(crate) struct Lazy {
     files: Arc<[PathBuf]>,
     decoder: Mutex<Box<dyn Decoder>>,
     cache: Mutex<Cache>,
+}
+
+/// The clip of the frames in `source`, of which up to `cache_bytes` are kept.
+pub(crate) fn clip(source: Source, cache_bytes: usize) -> Clip {
+    Clip::new(source.info.clone(), Arc::new(Lazy::new(source, cache_bytes)))
 }
 
 /// The most that cached frames may take: an eighth of the free memory, so that both views leave most of it to runs.

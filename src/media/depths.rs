@@ -1,17 +1,18 @@
 //! Depths that a sensor measured beside the frames: 16-bit pictures, given or found.
 
 use std::collections::{BTreeMap, VecDeque};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use motionscope_core::base::Error;
 use motionscope_core::data::{Clip, DepthSource};
 use motionscope_core::geometry::Grid;
 
+use super::companion::{Companion, LeftView};
+use super::export::InputKind;
 use super::names::{file_name, stem};
 use super::sequence::{Sequence, parent};
-use super::stereo::LeftView;
-use super::{Open, about, truth};
+use super::{Given, Open, about, truth};
 
 /// Units of a 16-bit depth per m, as in the recordings of TUM and ICL-NUIM.
 const UNITS_PER_M: f32 = 5000.0;
@@ -47,54 +48,53 @@ impl DepthSource for Files {
     }
 }
 
-/// The same clip with its depths, given or found in a folder `depth`.
-///
-/// # Errors
-/// One sentence if given depths cannot be read or do not fit the clip. Depths found beside it that do not fit cause a warning.
-pub(super) fn with_depths(clip: Clip, left: &LeftView<'_>, options: &Open) -> Result<Clip, Error> {
-    let units_per_m = options.given.depth_scale.unwrap_or(UNITS_PER_M);
-    if let Some(folder) = &options.given.depths {
-        return opened(&clip, folder, left, units_per_m).map(|depths| clip.with_depths(depths));
+/// The depths of a clip: a folder of pictures.
+pub(super) struct Depths {
+    folder: PathBuf,
+    /// The pictures in the folder, or why there are none.
+    files: Result<Vec<PathBuf>, Error>,
+}
+
+impl From<PathBuf> for Depths {
+    fn from(folder: PathBuf) -> Self {
+        let files = Sequence::find(&folder).map(|found| found.files).map_err(|why| about(&folder, &why));
+        Self { folder, files }
     }
-    // Given depths take precedence over depths found beside the clip.
-    let Some(folder) = beside(left).filter(|_| options.given.right.is_none()) else { return Ok(clip) };
-    Ok(match opened(&clip, &folder, left, units_per_m) {
-        Ok(depths) => clip.with_depths(depths),
-        Err(why) => {
-            let mut info = clip.info().clone();
-            info.warnings.push(format!("the depths beside the clip are ignored: {why}"));
-            clip.with_info(info)
-        }
-    })
 }
 
-/// The files that depths are read from.
-pub(super) fn files(left: &LeftView<'_>, options: &Open) -> Vec<PathBuf> {
-    let found = || beside(left).filter(|_| options.given.right.is_none());
-    let folder = options.given.depths.clone().or_else(found);
-    folder.and_then(|folder| Sequence::find(&folder).ok()).map(|found| found.files).unwrap_or_default()
-}
+impl Companion for Depths {
+    const KIND: InputKind = InputKind::Depths;
+    const IGNORED: &'static str = "the depths beside the clip are ignored";
 
-/// The folder of depths in that of the frames or beside it.
-fn beside(left: &LeftView<'_>) -> Option<PathBuf> {
-    let frames = parent(left.files.first()?).canonicalize().ok()?;
-    let places = [Some(frames.join(FOLDER)), frames.parent().map(|above| above.join(FOLDER))];
-    places.into_iter().flatten().find(|folder| folder.is_dir() && *folder != frames)
-}
+    fn given(_left: &LeftView<'_>, given: &Given) -> Option<Self> {
+        given.depths.clone().map(Self::from)
+    }
 
-fn opened(clip: &Clip, folder: &Path, left: &LeftView<'_>, units_per_m: f32) -> Result<Arc<dyn DepthSource>, Error> {
-    let found = Sequence::find(folder).map_err(|why| about(folder, &why))?.files;
-    let files = paired(left.files, &found).ok_or_else(|| {
-        let (depths, frames) = (found.len(), left.files.len());
-        Error::new(format!(
-            "{}: {depths} depths for {frames} frames, and no names that belong together; name each like its frame",
-            file_name(folder)
-        ))
-    })?;
-    let first = files.iter().flatten().next();
-    let first = first.ok_or_else(|| Error::new(format!("{}: no depth belongs to a frame", file_name(folder))))?;
-    truth::depth(first, clip.size(), units_per_m)?;
-    Ok(Arc::new(Files { files, size: clip.size(), units_per_m, last: Mutex::default() }))
+    /// The folder `depth` in that of the frames or beside it. A given right view takes its place.
+    fn beside(left: &LeftView<'_>, given: &Given) -> Option<Self> {
+        let frames = parent(left.files.first().filter(|_| given.right.is_none())?).canonicalize().ok()?;
+        let places = [Some(frames.join(FOLDER)), frames.parent().map(|above| above.join(FOLDER))];
+        places.into_iter().flatten().find(|folder| folder.is_dir() && *folder != frames).map(Self::from)
+    }
+
+    fn files(&self) -> Vec<PathBuf> {
+        self.files.clone().unwrap_or_default()
+    }
+
+    fn attach(self, clip: Clip, left: &LeftView<'_>, options: &Open) -> Result<Clip, Error> {
+        let (found, name) = (self.files?, file_name(&self.folder));
+        let files = paired(left.files, &found).ok_or_else(|| {
+            let (depths, frames) = (found.len(), left.files.len());
+            Error::new(format!(
+                "{name}: {depths} depths for {frames} frames, and no names that belong together; name each like its frame"
+            ))
+        })?;
+        let first = files.iter().flatten().next();
+        let first = first.ok_or_else(|| Error::new(format!("{name}: no depth belongs to a frame")))?;
+        let (size, units_per_m) = (clip.size(), options.given.depth_scale.unwrap_or(UNITS_PER_M));
+        truth::depth(first, size, units_per_m)?;
+        Ok(clip.with_depths(Arc::new(Files { files, size, units_per_m, last: Mutex::default() })))
+    }
 }
 
 /// The depth of each frame: the file of its name, else if both names are times in s the nearest, each for one frame, else the one in its
@@ -135,9 +135,11 @@ fn associated(of_frames: &[f64], of_depths: &[f64], depths: &[PathBuf]) -> Vec<O
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
+    use crate::media;
     use crate::media::export::{Pixels, png};
-    use crate::media::{self, Given};
 
     fn put(folder: &Path, name: &str, bytes: &[u8]) {
         let path = folder.join(name);
@@ -165,11 +167,11 @@ mod tests {
         for (name, units) in [("100.010.png", 5000), ("100.041.png", 10_000), ("100.200.png", 7)] {
             put(&folder.path().join("depth"), name, &level(units));
         }
-        let clip = media::open(&folder.path().join("rgb"), &Open::default()).unwrap();
+        let clip = media::open(&folder.path().join("rgb"), &Open::default()).unwrap().clip;
         let depth = |clip: &Clip, t: usize| clip.depth_m(t).unwrap().map(|depth| depth[(1, 1)]);
         assert_eq!([0, 1, 2].map(|t| depth(&clip, t)), [Some(1.0), Some(2.0), None], "each depth belongs to one frame");
         let given = Given { depth_scale: Some(1000.0), ..Given::default() };
-        let clip = media::open(&folder.path().join("rgb"), &Open { given, ..Open::default() }).unwrap();
+        let clip = media::open(&folder.path().join("rgb"), &Open { given, ..Open::default() }).unwrap().clip;
         assert_eq!(depth(&clip, 0), Some(5.0));
         let given = Given { depths: Some(folder.path().join("rgb")), ..Given::default() };
         let refused = media::open(&folder.path().join("rgb"), &Open { given, ..Open::default() }).unwrap_err();

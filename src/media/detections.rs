@@ -8,10 +8,12 @@ use motionscope_core::base::Error;
 use motionscope_core::data::{Clip, Detection};
 use motionscope_core::geometry::Bounds;
 
+use super::companion::{Companion, LeftView};
+use super::export::InputKind;
 use super::input::{self, Node};
 use super::names::{extension, file_name};
 use super::truth::mot::{self, MOST_IN_A_FRAME};
-use super::{about, check_size};
+use super::{Given, Open, about, check_size};
 
 /// Margin around the boxes of a clip without images, in px.
 const MARGIN_PX: f32 = 16.0;
@@ -54,13 +56,34 @@ pub fn is(path: &Path) -> bool {
     is_text && beginning(path).is_some_and(|text| mot::is_detections(&text))
 }
 
-/// The table of detections beside a clip, where MOTChallenge puts it: `det.txt` or `det/det.txt` in the folder of its pictures, or
-/// beside that folder where it is called `img1`.
-pub fn beside(folder: &Path) -> Option<PathBuf> {
-    let above = if folder.ends_with("img1") { folder.parent() } else { None };
-    let folders = [Some(folder), above].into_iter().flatten();
-    let mut files = folders.flat_map(|folder| [folder.join("det.txt"), folder.join("det").join("det.txt")]);
-    files.find(|file| is(file))
+/// The detections of a clip, in this file.
+pub struct Detections(PathBuf);
+
+impl Companion for Detections {
+    const KIND: InputKind = InputKind::Detections;
+    const IGNORED: &'static str = "detections beside the clip are ignored";
+
+    fn given(_left: &LeftView<'_>, given: &Given) -> Option<Self> {
+        given.detections.clone().map(Self)
+    }
+
+    /// The table that lies where MOTChallenge puts it: `det.txt` or `det/det.txt` in the folder of the pictures, or beside that folder
+    /// where it is called `img1`. One beside a video may be of another clip.
+    fn beside(left: &LeftView<'_>, _given: &Given) -> Option<Self> {
+        let folder = Some(left.path).filter(|path| path.is_dir() && *path != Path::new("-"))?;
+        let above = if folder.ends_with("img1") { folder.parent() } else { None };
+        let folders = [Some(folder), above].into_iter().flatten();
+        let mut files = folders.flat_map(|folder| [folder.join("det.txt"), folder.join("det").join("det.txt")]);
+        files.find(|file| is(file)).map(Self)
+    }
+
+    fn files(&self) -> Vec<PathBuf> {
+        vec![self.0.clone()]
+    }
+
+    fn attach(self, clip: Clip, _left: &LeftView<'_>, _options: &Open) -> Result<Clip, Error> {
+        read(&self.0).map(|found| clip.with_detections(found))
+    }
 }
 
 /// Whether the file at `path` is a table of true objects by its name and its first row: they have identities.
@@ -113,7 +136,7 @@ mod tests {
         let path = folder.path().join("det.txt");
         fs::write(&path, text).unwrap();
         assert!(is(&path));
-        super::super::open(&path, &super::super::Open::default())
+        media::open(&path, &media::Open::default()).map(|opened| opened.clip)
     }
 
     #[test]
@@ -135,7 +158,7 @@ mod tests {
             let picture = export::png(8, 6, export::Pixels::Gray(&[t; 48])).unwrap();
             fs::write(pictures.join(format!("{t:06}.png")), picture).unwrap();
         }
-        let opened = || media::open(&pictures, &media::Open::default()).unwrap();
+        let opened = || media::open(&pictures, &media::Open::default()).unwrap().clip;
         assert_eq!(opened().detections(0), None);
         fs::write(found.join("det.txt"), "1,-1,1,1,4,4,0.9\n2,-1,2,1,4,4,0.9\n2,-1,5,1,2,4,0.9\n").unwrap();
         assert_eq!(opened().detections(1).map(<[_]>::len), Some(2));
@@ -144,7 +167,8 @@ mod tests {
         assert!(clip.detections(0).is_none() && clip.info().warnings.iter().any(|w| w.contains("line 2")), "{clip:?}");
         // A picture by itself, or a video, may lie there by chance.
         fs::write(pictures.join("det.txt"), "1,-1,1,1,4,4,0.9\n").unwrap();
-        assert_eq!(media::open(&pictures.join("000001.png"), &media::Open::default()).unwrap().detections(0), None);
+        let alone = media::open(&pictures.join("000001.png"), &media::Open::default()).unwrap().clip;
+        assert_eq!(alone.detections(0), None);
     }
 
     #[test]

@@ -6,7 +6,8 @@ use std::path::Path;
 
 use motionscope_core::base::Error;
 
-use super::{cannot_read, name_of};
+use super::cannot_read;
+use super::names::file_name;
 
 /// Largest clip that is read from a pipe, in bytes.
 const MAX_PIPE_BYTES: u64 = 1 << 30;
@@ -123,10 +124,10 @@ impl Input {
         let node = Node::of(path)?;
         let file = File::open(path).map_err(|error| cannot_read(&error))?;
         if node == Node::Stream {
-            return Self::pipe(name_of(path), file);
+            return Self::pipe(file_name(path), file);
         }
         let facts = file.metadata().map_err(|error| cannot_read(&error))?;
-        Ok(Self::new(name_of(path), facts.len(), Box::new(file)))
+        Ok(Self::new(file_name(path), facts.len(), Box::new(file)))
     }
 
     fn pipe(name: String, reader: impl Read) -> Result<Self, Error> {

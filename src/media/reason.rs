@@ -1,12 +1,32 @@
-//! Readable error messages of decoders of other crates.
+//! Readable reasons why a file cannot be opened.
+
+use std::io;
+use std::path::Path;
+
+use motionscope_core::base::Error;
 
 /// The most characters of such words.
 const MOST: usize = 90;
 
-/// `words` in brackets after a blank; nothing if they are those of a program to its programmer.
+/// The `words` of another crate's decoder in brackets after a blank; nothing if they are those of a program to its programmer.
 pub(crate) fn bracketed(words: &str) -> String {
     let words = words.lines().next().unwrap_or_default().trim().trim_end_matches('.');
     if is_plain(words) { format!(" ({words})") } else { String::new() }
+}
+
+/// Puts the file's name in front of what is wrong with it.
+pub(crate) fn about(path: &Path, error: &Error) -> Error {
+    Error::new(format!("cannot open {}: {error}", Error::short_name(&path.display().to_string())))
+}
+
+/// Why a file cannot be read, without its name.
+pub(crate) fn cannot_read(error: &io::Error) -> Error {
+    Error::new(match error.kind() {
+        io::ErrorKind::NotFound => "there is no such file; check the path".into(),
+        io::ErrorKind::PermissionDenied => "you may not read this file; ask its owner".into(),
+        io::ErrorKind::InvalidData => "it is not a text file; give another file".into(),
+        _ => format!("it cannot be read ({error})"),
+    })
 }
 
 fn is_plain(words: &str) -> bool {

@@ -13,7 +13,7 @@ use super::picture::Contrast;
 use super::sequence::Sequence;
 use super::stereo::keep_left;
 use super::tiff::Page;
-use super::{Decoder, Open, Source, check_size, name_of, picture};
+use super::{Decoder, Open, Source, check_size, picture};
 
 /// Opens the folder, pattern or picture at `path`; a numbered picture brings those that come after it.
 ///
@@ -26,7 +26,7 @@ pub(crate) fn open(path: &Path, options: &Open) -> Result<Source, Error> {
     }
     let mut sequence = Sequence::find(path)?;
     keep_left(&mut sequence, &options.given);
-    clip(path, name_of(path), sequence, (Fit::Exact, options))
+    clip(path, file_name(path), sequence, (Fit::Exact, options))
 }
 
 /// Opens pictures as one clip.
@@ -35,7 +35,7 @@ pub(crate) fn open(path: &Path, options: &Open) -> Result<Source, Error> {
 /// One sentence, without the name of the first file.
 pub(crate) fn of_files(files: Vec<PathBuf>, options: &Open) -> Result<Source, Error> {
     let first = files.first().cloned().unwrap_or_default();
-    clip(&first, name_of(&first), Sequence { files, warnings: Vec::new() }, (Fit::Exact, options))
+    clip(&first, file_name(&first), Sequence { files, warnings: Vec::new() }, (Fit::Exact, options))
 }
 
 /// Opens two pictures as one clip.
@@ -44,7 +44,7 @@ pub(crate) fn of_files(files: Vec<PathBuf>, options: &Open) -> Result<Source, Er
 /// One sentence, without the name of the first file.
 pub(crate) fn pair(files: &[PathBuf; 2], options: &Open) -> Result<Source, Error> {
     let [first, second] = files;
-    let name = format!("{} → {}", name_of(first), name_of(second));
+    let name = format!("{} → {}", file_name(first), file_name(second));
     let fit = match [first, second].map(|file| picture::size(file)) {
         [Some(one), Some(other)] if one != other => Fit::of(one, other),
         // A damaged picture is reported when it is shown.
@@ -134,7 +134,7 @@ fn sized((width, height): (usize, usize)) -> String {
 fn stack(path: &Path, (pages, others): &(Vec<Page>, usize), options: &Open) -> Result<Source, Error> {
     let first = picture::open_page(path, pages.first().map(|page| page.directory))?;
     let mut info = ClipInfo {
-        name: name_of(path),
+        name: file_name(path),
         width: first.size.0,
         height: first.size.1,
         frames: Some(pages.len()),
@@ -329,7 +329,7 @@ mod tests {
     }
 
     fn open(path: &Path) -> Result<Clip, Error> {
-        media::open(path, &Open::default())
+        media::open(path, &Open::default()).map(|opened| opened.clip)
     }
 
     #[test]
@@ -428,7 +428,7 @@ mod tests {
             let right = Some(media::RightView::File(folder.path().join("right.png")));
             let contrast = contrast.map(|range| range.parse().unwrap());
             let given = media::Given { right, contrast, ..media::Given::default() };
-            media::open(&folder.path().join("left.png"), &given.into()).unwrap()
+            media::open(&folder.path().join("left.png"), &given.into()).unwrap().clip
         };
         let grays = |clip: &Clip| {
             let right = clip.right().expect("a right view");
@@ -530,7 +530,7 @@ mod tests {
             fs::write(&path, encode(image, ImageFormat::Png)).unwrap();
             path
         };
-        let open = |files| media::open_pair(&files, &Open::default()).unwrap();
+        let open = |files| media::open_pair(&files, &Open::default()).unwrap().clip;
         let ramp = |width, height, unit: f32| -> DynamicImage {
             let gray = |x: u32, y: u32| image::Luma([(unit * (2 * x + 3 * y) as f32) as u8]);
             image::GrayImage::from_fn(width, height, gray).into()

@@ -109,7 +109,7 @@ mod tests {
 
     fn of<T>(id: &str, draw: impl FnOnce(&Experiment, &Clip) -> T) -> T {
         let source = Source::parse("synth:pillar,width=96,height=64,frames=2").expect("a sample");
-        let clip = source.open(&Open::default()).expect("it opens");
+        let clip = source.open(&Open::default()).expect("it opens").clip;
         draw(&Experiment::new(source, estimator(id).expect("it exists")), &clip)
     }
 

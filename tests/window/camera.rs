@@ -368,7 +368,7 @@ fn a_recording_is_saved_as_compressed_video_too() {
         assert!(said.contains("save as numbered PNG") && window.says("not saved yet"), "{said}");
         return;
     }
-    let clip = Source::File(video.clone()).open(&Open::default()).expect("a clip");
+    let clip = Source::File(video.clone()).open(&Open::default()).expect("a clip").clip;
     assert_eq!((clip.info().codec.as_str(), clip.info().frames), ("h264", Some(12)), "{said}");
     assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 2, "nothing temporary is left");
 

@@ -17,7 +17,8 @@ use motionscope_core::base::{Error, Stop};
 use motionscope_core::data::{ClipInfo, Frame};
 
 use self::scan::Scan;
-use super::{Decoder, Open, Source, cannot_read, catch_panic, check_size, name_of, picture, reason, stills};
+use super::names::file_name;
+use super::{Decoder, Open, Source, cannot_read, catch_panic, check_size, picture, reason, stills};
 
 /// What can be animated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,7 +74,7 @@ pub(crate) fn open(path: &Path, options: &Open) -> Result<Source, Error> {
     }
     let (container, codec) = format.names();
     let info = ClipInfo {
-        name: name_of(path),
+        name: file_name(path),
         width,
         height,
         frames: Some(frames),

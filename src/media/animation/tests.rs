@@ -86,7 +86,7 @@ fn write(bytes: &[u8], extension: &str) -> (tempfile::TempDir, PathBuf) {
 }
 
 fn open(path: &Path, cache_bytes: usize) -> Result<Clip, Error> {
-    media::open(path, &Open { cache_bytes, ..Open::default() })
+    media::open(path, &Open { cache_bytes, ..Open::default() }).map(|opened| opened.clip)
 }
 
 fn shows(frame: &Frame, t: usize) -> bool {

@@ -9,7 +9,8 @@ use motionscope_core::base::{Error, Stop};
 
 use super::reading::{belongs, rate};
 use super::{CameraFeed, Format, Shot};
-use crate::media::{Progress, export, name_of, temporary};
+use crate::media::names::file_name;
+use crate::media::{Progress, export, temporary};
 
 /// Room for the measured rate in the first line of a file.
 const RATE_ROOM: usize = 24;
@@ -156,7 +157,7 @@ pub fn record(
     };
     if times.len() < 2 {
         let why = ended.unwrap_or_else(|| Error::new("the camera sent fewer than two frames; record longer"));
-        return Err(Error::new(format!("{} was not recorded: {why}", name_of(out))));
+        return Err(Error::new(format!("{} was not recorded: {why}", file_name(out))));
     }
     let mut draft = file.into_inner().map_err(|error| cannot(error.into_error()))?;
     put_rate(draft.as_file_mut(), &format, (times.as_slice(), width)).map_err(cannot)?;
@@ -180,7 +181,7 @@ mod tests {
         assert!(keep(&format, &shots[..1], "camera").is_err());
         let kept = keep(&format, &shots, "camera-1").unwrap();
         assert!(is_unsaved(kept.path()) && !is_unsaved(Path::new("/home/ada/camera-1.y4m")));
-        let clip = open(kept.path(), &Open::default()).unwrap();
+        let clip = open(kept.path(), &Open::default()).unwrap().clip;
         assert_eq!(
             (clip.info().name.as_str(), clip.info().frames, clip.size()),
             ("camera-1.y4m", Some(shots.len()), (64, 48))
@@ -233,7 +234,7 @@ mod tests {
             None,
         )
         .unwrap();
-        let clip = open(&out, &Open::default()).unwrap();
+        let clip = open(&out, &Open::default()).unwrap().clip;
         let measured = (done.frames - 1) as f64 / done.time.as_secs_f64();
         assert!(clip.info().fps.is_some_and(|fps| (fps - measured).abs() < 0.1), "{:?}, {measured}", clip.info().fps);
         assert_eq!((clip.info().frames, clip.frame(1).unwrap().luma().cells()), (Some(done.frames), &[7, 7][..]));
@@ -271,7 +272,7 @@ mod tests {
         let out = folder.path().join("a.y4m");
         let done = record(Box::new(Some3(3)), Duration::from_secs(9), &out, None).unwrap();
         assert_eq!((done.frames, done.ended), (3, Some(Error::new("it was unplugged"))));
-        assert_eq!(open(&out, &Open::default()).unwrap().info().frames, Some(3));
+        assert_eq!(open(&out, &Open::default()).unwrap().clip.info().frames, Some(3));
         let none = record(Box::new(Some3(1)), Duration::from_secs(9), &folder.path().join("b.y4m"), None);
         assert!(none.unwrap_err().to_string().contains("b.y4m was not recorded: it was unplugged"));
         let nowhere = folder.path().join("no/c.y4m");

@@ -237,7 +237,7 @@ mod tests {
         clip(&made, folder.path(), None).unwrap();
         // A second time over the first is fine.
         clip(&made, folder.path(), None).unwrap();
-        let read = open(folder.path(), &Open::default()).unwrap();
+        let read = open(folder.path(), &Open::default()).unwrap().clip;
         assert_eq!((read.size(), read.info().frames, read.info().warnings.len()), ((96, 64), Some(4), 0));
         let (wanted, found) = (made.truth().unwrap(), read.truth().unwrap());
         // Segments have no format of their own in a folder.
@@ -269,7 +269,7 @@ mod tests {
         // Without tracks, and without the flow of one frame.
         fs::remove_file(source.path().join("gt.txt")).unwrap();
         fs::remove_file(source.path().join("flow/frame_0001.flo")).unwrap();
-        clip(&open(source.path(), &Open::default()).unwrap(), folder.path(), None).unwrap();
+        clip(&open(source.path(), &Open::default()).unwrap().clip, folder.path(), None).unwrap();
         assert!(!is_there("gt.txt") && !is_there("flow/frame_0001.flo"));
         assert!(is_there("flow/frame_0000.flo") && is_there("flow/frame_0002.flo") && is_there("occ/frame_0001.png"));
 
@@ -277,8 +277,8 @@ mod tests {
         fs::remove_dir_all(source.path().join("flow")).unwrap();
         fs::remove_dir_all(source.path().join("occ")).unwrap();
         fs::remove_dir_all(source.path().join("foreground")).unwrap();
-        clip(&open(source.path(), &Open::default()).unwrap(), folder.path(), None).unwrap();
-        assert!(open(folder.path(), &Open::default()).unwrap().truth().is_none());
+        clip(&open(source.path(), &Open::default()).unwrap().clip, folder.path(), None).unwrap();
+        assert!(open(folder.path(), &Open::default()).unwrap().clip.truth().is_none());
         assert!((0..4).all(|t| is_there(&format!("frame_{t:04}.png"))));
         for other in others {
             assert_eq!(fs::read_to_string(folder.path().join(other)).unwrap(), other);

@@ -264,7 +264,7 @@ mod tests {
         // A killed run leaves nothing else, and the next start removes that.
         assert!(seen.len() >= 4 && seen.iter().all(|path| temporary::is_temporary(path)), "{seen:?}");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "the video alone is there");
-        let read = open(&path, &Open::default()).unwrap();
+        let read = open(&path, &Open::default()).unwrap().clip;
         assert_eq!((read.info().frames, read.size()), (Some(4), (98, 64)), "the width is made even");
         let (wanted, found) = (made.frame(2).unwrap(), read.frame(2).unwrap());
         let off = |y: usize| -> u32 {

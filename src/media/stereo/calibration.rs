@@ -1,7 +1,6 @@
-//! Calibrations of rectified pairs: KITTI's and Middlebury's `calib.txt`, or typed numbers.
+//! Calibrations of rectified pairs: KITTI's and Middlebury's `calib.txt`.
 
-use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use motionscope_core::base::Error;
 use motionscope_core::data::Calibration;
@@ -9,64 +8,6 @@ use motionscope_core::data::Calibration;
 use crate::media::input;
 use crate::media::names::file_name;
 use crate::media::sequence::parent;
-
-/// A calibration given explicitly.
-#[derive(Clone, Debug, PartialEq)]
-pub enum GivenCalibration {
-    /// A `calib.txt` of KITTI or Middlebury.
-    File(PathBuf),
-    /// Typed numbers.
-    Typed {
-        /// Focal length in px.
-        focal_px: f64,
-        /// Baseline in m.
-        baseline_m: f64,
-        /// Principal point in px; the centre of the picture by default.
-        principal_px: Option<[f64; 2]>,
-    },
-}
-
-impl GivenCalibration {
-    /// Two numbers F,B or four F,B,CX,CY are typed; anything else is a path.
-    pub fn of(text: &Path) -> Self {
-        let numbers = |text: &str| text.split(',').map(|part| part.trim().parse().ok()).collect::<Option<Vec<f64>>>();
-        match text.to_str().and_then(numbers).as_deref() {
-            Some(&[focal_px, baseline_m]) => Self::Typed { focal_px, baseline_m, principal_px: None },
-            Some(&[focal_px, baseline_m, x, y]) => Self::Typed { focal_px, baseline_m, principal_px: Some([x, y]) },
-            _ => Self::File(text.into()),
-        }
-    }
-
-    /// Its path, if it has one.
-    pub fn path(&self) -> Option<&Path> {
-        match self {
-            Self::File(path) => Some(path),
-            Self::Typed { .. } => None,
-        }
-    }
-
-    /// The same with `f` applied to its path, if it has one.
-    #[must_use]
-    pub fn map_path(self, f: impl FnOnce(&Path) -> PathBuf) -> Self {
-        match self {
-            Self::File(path) => Self::File(f(&path)),
-            typed => typed,
-        }
-    }
-}
-
-/// As [`GivenCalibration::of`] reads it.
-impl fmt::Display for GivenCalibration {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::File(path) => write!(f, "{}", path.display()),
-            Self::Typed { focal_px, baseline_m, principal_px } => {
-                write!(f, "{focal_px},{baseline_m}")?;
-                principal_px.map_or(Ok(()), |[x, y]| write!(f, ",{x},{y}"))
-            }
-        }
-    }
-}
 
 /// The cameras of KITTI that the views are from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -198,18 +139,6 @@ mod tests {
         for text in ["", "P0: 1 2 3\nP1: 1 2 3\n", "cam0=[1 2]\ncam1=[1 2]\nbaseline=3\n"] {
             let told = parsed(text, Cameras::Any).unwrap_err().to_string();
             assert!(told.contains("cam0") && told.contains("P0:"), "{told}");
-        }
-    }
-
-    #[test]
-    fn typed_numbers_are_read_as_they_are_written() {
-        let of = |text: &str| GivenCalibration::of(Path::new(text));
-        let typed = |principal_px| GivenCalibration::Typed { focal_px: 721.5, baseline_m: 0.54, principal_px };
-        assert_eq!(of("721.5,0.54"), typed(None));
-        assert_eq!(of("721.5, 0.54,609.5,172.5"), typed(Some([609.5, 172.5])));
-        assert_eq!(of("calib,2.txt"), GivenCalibration::File("calib,2.txt".into()));
-        for text in ["721.5,0.54", "721.5,0.54,609.5,172.5", "calib.txt"] {
-            assert_eq!(of(text).to_string(), text);
         }
     }
 }

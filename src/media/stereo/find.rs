@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{LeftView, RightView};
-use crate::media::Given;
+use crate::media::companion::LeftView;
 use crate::media::names::{extension, file_name, stem};
 use crate::media::sequence::{Sequence, parent};
+use crate::media::{Given, RightView};
 
 /// The right view found beside a clip.
 #[derive(Debug, Default, PartialEq)]
-pub(super) struct Right {
+pub(crate) struct Right {
     /// One file for each picture of the left view, or the video.
     pub files: Vec<PathBuf>,
     /// Why a right view that is there cannot be used.
@@ -138,7 +138,7 @@ mod tests {
     /// The names of the right view of the left pictures `names`, from their folder.
     fn found(folder: &Path, names: &[&str]) -> Right {
         let files: Vec<_> = names.iter().map(|name| folder.join(name)).collect();
-        right(&LeftView { path: &files[0], files: &files })
+        right(&LeftView { path: &files[0], files: &files, size: (1, 1) })
     }
 
     #[test]
@@ -200,7 +200,7 @@ mod tests {
         ] {
             let folder = folder_of(&[left, calibration]);
             let files = [folder.path().join(left)];
-            let found = calibration_beside(&LeftView { path: &files[0], files: &files });
+            let found = calibration_beside(&LeftView { path: &files[0], files: &files, size: (1, 1) });
             assert_eq!(found, Some(folder.path().join(calibration).canonicalize().unwrap()), "{left}");
         }
     }

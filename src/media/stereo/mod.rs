@@ -9,106 +9,72 @@ mod find;
 mod halves;
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use motionscope_core::base::Error;
 use motionscope_core::data::{Calibration, Clip};
 
+use super::companion::{Companion, LeftView};
+use super::detect_format::{self, Kind};
+use super::export::InputKind;
 use super::input::Input;
 use super::names::file_name;
+use super::reader::{self, guarded, is_still_or_folder};
 use super::sequence::{Sequence, parent};
-use super::{
-    Given, Kind, Open, Source, about, cache, detect_format, guarded, is_still_or_folder, open_source, stills, truth,
-};
+use super::{Given, GivenCalibration, Open, RightView, Source, about, cache, stills, truth};
 
 use calibration::Cameras;
-pub use calibration::GivenCalibration;
-pub(crate) use find::{calibration_beside, keep_left};
+pub(crate) use find::keep_left;
 pub(crate) use halves::{Half, half};
 
-/// A right view given explicitly.
-#[derive(Clone, Debug, PartialEq)]
-pub enum RightView {
-    /// A clip of its own: pictures, a folder of them, or a video.
-    File(PathBuf),
-    /// The right half of each frame; the left half is the left view.
+/// The right view of a clip.
+pub(crate) enum SecondView {
+    /// The right half of each frame.
     SideBySide,
+    /// A given path, and the pictures there that belong to those of the left view, if it is made of pictures.
+    Given(PathBuf, Option<Vec<PathBuf>>),
+    /// A view found beside the clip.
+    Beside(find::Right),
 }
 
-impl RightView {
-    /// The word for [`RightView::SideBySide`].
-    pub const SIDE_BY_SIDE: &'static str = "side-by-side";
+impl Companion for SecondView {
+    const KIND: InputKind = InputKind::RightView;
+    const IGNORED: &'static str = "the right view beside the clip is ignored";
 
-    /// The view at `path`, or that of side-by-side frames.
-    pub fn of(path: &Path) -> Self {
-        if path == Path::new(Self::SIDE_BY_SIDE) { Self::SideBySide } else { Self::File(path.into()) }
+    fn given(left: &LeftView<'_>, given: &Given) -> Option<Self> {
+        Some(match given.right.as_ref()? {
+            RightView::SideBySide => Self::SideBySide,
+            RightView::File(path) => Self::Given(path.clone(), pictures(path, left)),
+        })
     }
 
-    /// The same with `f` applied to its path, if it has one.
-    #[must_use]
-    pub fn map_path(self, f: impl FnOnce(&Path) -> PathBuf) -> Self {
+    fn beside(left: &LeftView<'_>, _given: &Given) -> Option<Self> {
+        Some(find::right(left)).filter(|right| *right != find::Right::default()).map(Self::Beside)
+    }
+
+    fn files(&self) -> Vec<PathBuf> {
         match self {
-            Self::File(path) => Self::File(f(&path)),
-            Self::SideBySide => Self::SideBySide,
+            Self::SideBySide => Vec::new(),
+            Self::Given(path, pictures) => pictures.clone().unwrap_or_else(|| vec![path.clone()]),
+            Self::Beside(right) => right.files.clone(),
         }
     }
 
-    /// Its path, or the word for side-by-side frames.
-    pub fn path(&self) -> &Path {
+    fn attach(self, clip: Clip, left: &LeftView<'_>, options: &Open) -> Result<Clip, Error> {
+        let join = |right: Source| clip.clone().with_right(cache::clip(right, options.cache_bytes));
         match self {
-            Self::File(path) => path,
-            Self::SideBySide => Path::new(Self::SIDE_BY_SIDE),
+            Self::SideBySide => join(right_half(left, options)?),
+            Self::Given(path, pictures) => {
+                let right = guarded(|| given(&path, pictures, options)).map(|right| named(right, &path, left));
+                right.and_then(join).map_err(|why| about(&path, &why))
+            }
+            Self::Beside(find::Right { incomplete: Some(why), .. }) => Err(Error::new(why)),
+            Self::Beside(find::Right { files, .. }) => {
+                let Some(first) = files.first().cloned() else { return Ok(clip) };
+                let right = guarded(|| found(files, left, options)).map(|right| named(right, &first, left));
+                right.and_then(join).map_err(|why| Error::new(format!("{}: {why}", file_name(&first))))
+            }
         }
     }
-}
-
-/// Where the frames of the left view lie.
-pub(crate) struct LeftView<'a> {
-    /// The opened path.
-    pub path: &'a Path,
-    /// The file of each frame, where each has one of its own.
-    pub files: &'a [PathBuf],
-}
-
-/// The same clip with its right view and its calibration, given or found.
-///
-/// # Errors
-/// One sentence if what is given cannot be read or does not fit the clip. A found file that does not fit only causes a warning.
-pub(crate) fn with_right_view(clip: Clip, left: &LeftView<'_>, options: &Open) -> Result<Clip, Error> {
-    let clip = match &options.given.right {
-        Some(RightView::File(path)) => {
-            let right = guarded(|| given(path, left, options)).map_err(|why| about(path, &why))?;
-            clip.with_right(decoded(named(right, path, left), options)).map_err(|why| about(path, &why))?
-        }
-        Some(RightView::SideBySide) => clip.with_right(decoded(right_half(left, options)?, options))?,
-        None => with_found(clip, left, options),
-    };
-    with_calibration(clip, left, &options.given)
-}
-
-/// Whether a right view is given, or lies beside the clip.
-pub(crate) fn has_right_view(left: &LeftView<'_>, options: &Open) -> bool {
-    options.given.right.is_some() || !find::right(left).files.is_empty()
-}
-
-/// The files that the right view and the calibration are read from.
-pub(crate) fn files(left: &LeftView<'_>, options: &Open) -> (Vec<PathBuf>, Option<PathBuf>) {
-    let right = match &options.given.right {
-        Some(RightView::File(path)) => pictures(path, left).unwrap_or_else(|| vec![path.clone()]),
-        Some(RightView::SideBySide) => Vec::new(),
-        None => find::right(left).files,
-    };
-    let calibration = match &options.given.calibration {
-        Some(GivenCalibration::File(path)) => Some(path.clone()),
-        Some(GivenCalibration::Typed { .. }) => None,
-        None => calibration_beside(left),
-    };
-    (right, calibration)
-}
-
-/// A clip of the frames of `source`, behind a cache of its own.
-fn decoded(source: Source, options: &Open) -> Clip {
-    Clip::new(source.info.clone(), Arc::new(cache::Lazy::new(source, options.cache_bytes)))
 }
 
 /// The `source` of a right view at `path`, called as it is found from the left view: both may have the same file name.
@@ -133,13 +99,13 @@ fn pictures(path: &Path, left: &LeftView<'_>) -> Option<Vec<PathBuf>> {
     Some(files)
 }
 
-/// The right view at the given `path`.
-fn given(path: &Path, left: &LeftView<'_>, options: &Open) -> Result<Source, Error> {
+/// The right view at the given `path`, which has these `pictures`.
+fn given(path: &Path, pictures: Option<Vec<PathBuf>>, options: &Open) -> Result<Source, Error> {
     // What stands for frames beside each other is no concern of the right view.
     let options = Open { given: Given { contrast: options.given.contrast, ..Given::default() }, ..options.clone() };
-    match pictures(path, left) {
+    match pictures {
         Some(files) => stills::of_files(files, &options),
-        None => open_source(path, &options),
+        None => reader::read(path, &options),
     }
 }
 
@@ -149,70 +115,66 @@ fn right_half(left: &LeftView<'_>, options: &Open) -> Result<Source, Error> {
     if path == Path::new("-") {
         return Err(Error::new("side-by-side frames are read twice, which a pipe does not allow; save them to a file"));
     }
-    let whole =
-        if left.files.is_empty() { open_source(path, options) } else { stills::of_files(left.files.to_vec(), options) };
+    let whole = if left.files.is_empty() {
+        reader::read(path, options)
+    } else {
+        stills::of_files(left.files.to_vec(), options)
+    };
     half(whole.map_err(|why| about(path, &why))?, Half::Right).map_err(|why| about(path, &why))
 }
 
-/// The same clip with the right view that lies beside it, if there is one; with a warning if it does not fit.
-fn with_found(clip: Clip, left: &LeftView<'_>, options: &Open) -> Clip {
-    let found = find::right(left);
-    let mut ignored = found.incomplete;
-    if !found.files.is_empty() {
-        let open = || match left.files {
-            [] => Input::open(&found.files[0]).and_then(|mut input| match detect_format::kind(&mut input)? {
-                Kind::Video(_) | Kind::Animation => open_source(&found.files[0], options),
-                Kind::Still => Err(Error::new("it is a picture, and the left view is not")),
-            }),
-            _ => stills::of_files(found.files.clone(), options),
+/// The right view in `files`, which were found beside the clip.
+fn found(files: Vec<PathBuf>, left: &LeftView<'_>, options: &Open) -> Result<Source, Error> {
+    match (left.files, files.as_slice()) {
+        ([], [video, ..]) => match detect_format::kind(&mut Input::open(video)?)? {
+            Kind::Video(_) | Kind::Animation => reader::read(video, options),
+            Kind::Still => Err(Error::new("it is a picture, and the left view is not")),
+        },
+        _ => stills::of_files(files, options),
+    }
+}
+
+/// The calibration of the cameras of both views.
+pub(crate) enum CameraCalibration {
+    /// Given explicitly.
+    Given(GivenCalibration),
+    /// A file found beside the clip.
+    Beside(PathBuf),
+}
+
+impl Companion for CameraCalibration {
+    const KIND: InputKind = InputKind::Calibration;
+    const IGNORED: &'static str = "the calibration beside the clip is ignored";
+
+    fn given(_left: &LeftView<'_>, given: &Given) -> Option<Self> {
+        given.calibration.clone().map(Self::Given)
+    }
+
+    fn beside(left: &LeftView<'_>, _given: &Given) -> Option<Self> {
+        find::calibration_beside(left).map(Self::Beside)
+    }
+
+    fn files(&self) -> Vec<PathBuf> {
+        let (Self::Given(GivenCalibration::File(file)) | Self::Beside(file)) = self else { return Vec::new() };
+        vec![file.clone()]
+    }
+
+    fn attach(self, clip: Clip, left: &LeftView<'_>, _options: &Open) -> Result<Clip, Error> {
+        let read = |path: &Path| {
+            let cameras = left.files.first().map_or(Cameras::Any, |first| Cameras::of(first));
+            calibration::read(path, cameras).and_then(Calibration::checked)
         };
-        let right = guarded(open).map(|right| named(right, &found.files[0], left));
-        match right.and_then(|right| clip.clone().with_right(decoded(right, options))) {
-            Ok(both) => return both,
-            Err(why) => ignored = Some(format!("{}: {why}", file_name(&found.files[0]))),
-        }
+        let calibration = match self {
+            Self::Beside(_) if clip.right().is_none() => return Ok(clip),
+            Self::Beside(path) => read(&path).map_err(|why| Error::new(format!("{}: {why}", file_name(&path)))),
+            Self::Given(GivenCalibration::File(path)) => read(&path).map_err(|why| about(&path, &why)),
+            Self::Given(GivenCalibration::Typed { focal_px, baseline_m, principal_px }) => {
+                let (width, height) = clip.size();
+                let centre = [(width - 1) as f64 / 2.0, (height - 1) as f64 / 2.0];
+                let principal_px = principal_px.unwrap_or(centre);
+                Calibration { focal_px, baseline_m, principal_px, offset_px: 0.0 }.checked()
+            }
+        };
+        Ok(clip.with_calibration(calibration?))
     }
-    warned(clip, ignored.map(|why| format!("the right view beside the clip is ignored: {why}")))
-}
-
-/// The same clip with the calibration of its cameras, given or beside it.
-fn with_calibration(clip: Clip, left: &LeftView<'_>, given: &Given) -> Result<Clip, Error> {
-    let cameras = left.files.first().map_or(Cameras::Any, |first| Cameras::of(first));
-    let checked = |calibration: Calibration| calibration.checked();
-    match &given.calibration {
-        Some(GivenCalibration::Typed { focal_px, baseline_m, principal_px }) => {
-            let (width, height) = clip.size();
-            let centre = [(width - 1) as f64 / 2.0, (height - 1) as f64 / 2.0];
-            let typed = Calibration {
-                focal_px: *focal_px,
-                baseline_m: *baseline_m,
-                principal_px: principal_px.unwrap_or(centre),
-                offset_px: 0.0,
-            };
-            Ok(clip.with_calibration(checked(typed)?))
-        }
-        Some(GivenCalibration::File(path)) => {
-            let read = calibration::read(path, cameras).and_then(checked).map_err(|why| about(path, &why))?;
-            Ok(clip.with_calibration(read))
-        }
-        None if clip.right().is_none() => Ok(clip),
-        None => {
-            Ok(match calibration_beside(left).map(|path| (calibration::read(&path, cameras).and_then(checked), path)) {
-                Some((Ok(found), _)) => clip.with_calibration(found),
-                Some((Err(why), path)) => warned(
-                    clip,
-                    Some(format!("the calibration beside the clip is ignored: {}: {why}", file_name(&path))),
-                ),
-                None => clip,
-            })
-        }
-    }
-}
-
-/// The same clip with a further warning, if there is one.
-fn warned(clip: Clip, warning: Option<String>) -> Clip {
-    let Some(warning) = warning else { return clip };
-    let mut info = clip.info().clone();
-    info.warnings.push(warning);
-    clip.with_info(info)
 }

@@ -6,35 +6,69 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use motionscope_core::base::Error;
-use motionscope_core::data::Truth;
+use motionscope_core::data::{Clip, Truth};
 
 use super::{Files, Objects, Subject, field, file_error, mot, region};
-use crate::media::export::is_result;
+use crate::media::companion::{Companion, LeftView, warned};
+use crate::media::export::{InputKind, is_result};
 use crate::media::input::Node;
 use crate::media::names::{Numbered, extension, file_name, natural_order, stem};
 use crate::media::sequence::parent;
+use crate::media::{Given, Open};
 
-/// Ground truth found beside a clip.
-#[derive(Default)]
-pub(crate) struct Found {
-    /// The truth, if there is any.
-    pub truth: Option<Arc<dyn Truth>>,
-    /// Warnings about files that cannot be used.
-    pub warnings: Vec<String>,
+/// The ground truth of a clip in files.
+pub(crate) struct GroundTruth {
+    subject: Subject,
+    files: TruthFiles,
+    /// The given path.
+    given: Option<PathBuf>,
 }
 
-/// Looks for truth beside the clip, where the benchmarks and `motionscope synth` put it.
-pub(crate) fn beside(subject: &Subject) -> Found {
-    let mut found = Found::default();
-    if subject.path == Path::new("-") {
-        return found;
+impl Companion for GroundTruth {
+    const KIND: InputKind = InputKind::Truth;
+    const IGNORED: &'static str = "ground truth beside the clip is ignored";
+
+    fn given(left: &LeftView<'_>, given: &Given) -> Option<Self> {
+        let path = given.truth.as_ref()?;
+        let subject = Subject::new(left, given.disparity_scale);
+        Some(Self { files: TruthFiles::given(path, &subject), subject, given: Some(path.clone()) })
     }
-    let TruthFiles { flows, occlusions, disparities, next_disparities, foregrounds, labels, objects, results } =
-        TruthFiles::beside(subject);
-    let mut files = Files { scale: subject.scale, ..Files::new(subject.size) };
+
+    /// Truth where the benchmarks and `motionscope synth` put it.
+    fn beside(left: &LeftView<'_>, given: &Given) -> Option<Self> {
+        if left.path == Path::new("-") {
+            return None;
+        }
+        let subject = Subject::new(left, given.disparity_scale);
+        Some(Self { files: TruthFiles::beside(&subject), subject, given: None })
+    }
+
+    fn files(&self) -> Vec<PathBuf> {
+        self.files.all()
+    }
+
+    /// Each kind of truth that lies beside the clip is ignored by itself if it does not fit.
+    fn attach(self, clip: Clip, _left: &LeftView<'_>, _options: &Open) -> Result<Clip, Error> {
+        let Self { subject, files, given } = self;
+        if let Some(path) = given {
+            return open(&path, files, &subject).map(|truth| clip.with_truth(truth));
+        }
+        let (truth, warnings) = fitting(files, &subject);
+        let clip = warned(clip, warnings);
+        Ok(match truth {
+            Some(truth) => clip.with_truth(truth),
+            None => clip,
+        })
+    }
+}
+
+/// The truth in those of `files` that can be read and fit the clip, with warnings about the others.
+fn fitting(files: TruthFiles, subject: &Subject) -> (Option<Arc<dyn Truth>>, Vec<String>) {
+    let TruthFiles { flows, occlusions, disparities, next_disparities, foregrounds, labels, objects, results } = files;
+    let (mut files, mut warnings) = (Files { scale: subject.scale, ..Files::new(subject.size) }, Vec::new());
     let mut accept = |sound: Result<(), Error>| {
         let is_sound = sound.is_ok();
-        found.warnings.extend(sound.err().map(|why| format!("ground truth beside the clip is ignored: {why}")));
+        warnings.extend(sound.err().map(|why| format!("{}: {why}", GroundTruth::IGNORED)));
         is_sound
     };
     if accept(check(&flows, field::check_flow, subject)) {
@@ -58,18 +92,18 @@ pub(crate) fn beside(subject: &Subject) -> Found {
     if let Some(path) = objects {
         match tracks(&path) {
             Ok(tracks) => {
-                found.warnings.extend(tracks.warning.map(str::to_owned));
+                warnings.extend(tracks.warning.map(str::to_owned));
                 files.objects = Some(Objects { path, tracks });
             }
             Err(why) => _ = accept(Err(why)),
         }
     }
-    found.warnings.extend(not_truth(&results));
-    if !files.is_empty() {
-        files.tell_from(subject.folder());
-        found.truth = Some(Arc::new(files));
+    warnings.extend(not_truth(&results));
+    if files.is_empty() {
+        return (None, warnings);
     }
-    found
+    files.tell_from(subject.folder());
+    (Some(Arc::new(files)), warnings)
 }
 
 /// The objects in a table of tracks, or of the region of one object.
@@ -88,17 +122,16 @@ fn not_truth(results: &[PathBuf]) -> Option<String> {
     })
 }
 
-/// Opens ground truth at a given path: a flow, a disparity, a mask of the foreground, labels of segments, a `gt.txt`, a folder of one of these, or a folder
+/// Opens the `files` of ground truth at a given path: a flow, a disparity, a mask of the foreground, labels of segments, a `gt.txt`, a folder of one of these, or a folder
 /// written by `motionscope synth`.
 ///
 /// A single field whose name fits no frame belongs to the first, and so does a homography.
 ///
 /// # Errors
 /// One sentence that names the file if it is no truth, or not that of this clip.
-pub(crate) fn open(path: &Path, subject: &Subject) -> Result<Arc<dyn Truth>, Error> {
+fn open(path: &Path, files: TruthFiles, subject: &Subject) -> Result<Arc<dyn Truth>, Error> {
     let node = Node::of(path).map_err(|why| file_error(path, why))?;
-    let TruthFiles { flows, occlusions, disparities, next_disparities, foregrounds, labels, objects, .. } =
-        TruthFiles::given(path, subject);
+    let TruthFiles { flows, occlusions, disparities, next_disparities, foregrounds, labels, objects, .. } = files;
     if node == Node::Stream && objects.is_none() {
         let why = "it is a pipe, and a flow is read more than once; save it to a file and give that";
         return Err(file_error(path, why));
@@ -160,7 +193,7 @@ fn check_labels(files: &BTreeMap<usize, PathBuf>, subject: &Subject) -> Result<(
 
 /// The files of truth of a clip, by the frame that they belong to; none of them was read.
 #[derive(Default)]
-pub(crate) struct TruthFiles {
+struct TruthFiles {
     flows: BTreeMap<usize, PathBuf>,
     occlusions: BTreeMap<usize, PathBuf>,
     disparities: BTreeMap<usize, PathBuf>,
@@ -174,7 +207,7 @@ pub(crate) struct TruthFiles {
 
 impl TruthFiles {
     /// Finds the files beside the clip, by the names and folders of the benchmarks and of `motionscope synth`.
-    pub(crate) fn beside(subject: &Subject) -> Self {
+    fn beside(subject: &Subject) -> Self {
         let mut search = Search { subject, results: Vec::new() };
         let folder = subject.folder();
         let (flows, occlusions, objects) = (search.flows(folder), search.occlusions(folder), search.tracks(folder));
@@ -187,7 +220,7 @@ impl TruthFiles {
     }
 
     /// Finds the files at the given `path`.
-    pub(crate) fn given(path: &Path, subject: &Subject) -> Self {
+    fn given(path: &Path, subject: &Subject) -> Self {
         let mut search = Search { subject, results: Vec::new() };
         if path.is_dir() {
             let mut flows = search.flows(path);
@@ -232,10 +265,10 @@ impl TruthFiles {
     }
 
     /// All of them, in order.
-    pub(crate) fn into_files(self) -> impl Iterator<Item = PathBuf> {
+    fn all(&self) -> Vec<PathBuf> {
         let Self { flows, occlusions, disparities, next_disparities, foregrounds, labels, objects, .. } = self;
         let fields = [flows, occlusions, disparities, next_disparities, foregrounds, labels];
-        fields.into_iter().flat_map(BTreeMap::into_values).chain(objects)
+        fields.into_iter().flat_map(BTreeMap::values).chain(objects).cloned().collect()
     }
 }
 
@@ -416,8 +449,8 @@ mod tests {
     use motionscope_core::geometry::Grid;
 
     use super::*;
+    use crate::media;
     use crate::media::export::{self, Pixels};
-    use crate::media::{self, Given, Open};
 
     fn flow(u: f32) -> Flow {
         Flow(Grid::new(4, 3, [u, 0.5]))
@@ -437,7 +470,7 @@ mod tests {
     }
 
     fn open(path: &Path) -> Clip {
-        media::open(path, &Open::default()).unwrap()
+        media::open(path, &Open::default()).unwrap().clip
     }
 
     fn u(clip: &Clip, t: usize) -> Option<f32> {
@@ -480,12 +513,12 @@ mod tests {
         let mask: Vec<u8> = (0..=255u8).flat_map(|c| [if c == 0 { 0 } else { 255 }; 3]).collect();
         put(folder.path(), "mask.png", export::png(4, 3, Pixels::Indexed(&indices, &mask)).unwrap());
         let given = Given { truth: Some(folder.path().join("mask.png")), ..Given::default() };
-        let masked = media::open(&frames, &Open { given, ..Open::default() }).unwrap();
+        let masked = media::open(&frames, &Open { given, ..Open::default() }).unwrap().clip;
         assert_eq!(masked.truth().unwrap().kinds(), ["foreground"]);
         // Given by hand, a picture with a palette has labels.
         put(folder.path(), "by-hand.png", &labels);
         let given = Given { truth: Some(folder.path().join("by-hand.png")), ..Given::default() };
-        let clip = media::open(&frames, &Open { given, ..Open::default() }).unwrap();
+        let clip = media::open(&frames, &Open { given, ..Open::default() }).unwrap().clip;
         assert_eq!(clip.truth().unwrap().segments(0).unwrap().expect("of the first frame").cells().len(), 12);
         let colour = export::png(4, 3, Pixels::Gray(&[7; 12])).unwrap();
         put(&frames, "labels/frame08.png", colour);
@@ -545,13 +578,13 @@ mod tests {
             put(folder.path(), view, picture());
             put(folder.path(), file, &bytes);
             let by_hand = Given { disparity_scale: file.starts_with("disp2").then_some(4.0), ..Given::default() };
-            let clip = media::open(&folder.path().join(view), &Open::from(by_hand.clone())).unwrap();
+            let clip = media::open(&folder.path().join(view), &Open::from(by_hand.clone())).unwrap().clip;
             let truth = clip.truth().expect("a truth");
             assert_eq!((truth.kinds(), truth.names()), (vec!["disparity"], vec![name.to_owned()]));
             assert_eq!(*truth.disparity(0).unwrap().expect("known"), map, "{file}");
             // By hand, under the name of a disparity.
             let given = Given { truth: Some(folder.path().join(file)), ..by_hand };
-            let clip = media::open(&folder.path().join(view), &Open::from(given)).unwrap();
+            let clip = media::open(&folder.path().join(view), &Open::from(given)).unwrap().clip;
             assert_eq!(*clip.truth().unwrap().disparity(0).unwrap().expect("known"), map, "{file}");
             // A result there is none.
             export::save_result(&folder.path().join(file), &export::pfm(&map)).unwrap();
@@ -625,7 +658,7 @@ mod tests {
         assert_eq!(clip.truth().unwrap().names(), ["flow/frame_0007.flo and 1 other file"]);
         // A person may mean it.
         let options = Open::from(Given { truth: Some(at("flow/frame_0009.png")), ..Given::default() });
-        let clip = media::open(folder.path(), &options).unwrap();
+        let clip = media::open(folder.path(), &options).unwrap().clip;
         assert_eq!((u(&clip, 2), clip.truth().unwrap().names()), (Some(9.0), vec!["frame_0009.png".to_owned()]));
     }
 
@@ -666,7 +699,7 @@ mod tests {
             // By hand, under any name, where a line has four numbers.
             put(folder.path(), "boxes.txt", "2,2,2,2\n");
             let options = Open::from(Given { truth: Some(folder.path().join("boxes.txt")), ..Given::default() });
-            let clip = media::open(&folder.path().join(frames), &options).unwrap();
+            let clip = media::open(&folder.path().join(frames), &options).unwrap().clip;
             assert_eq!(clip.truth().unwrap().objects(0).unwrap().unwrap()[0].x, 0.5);
         }
         let folder = tempfile::tempdir().unwrap();
@@ -701,7 +734,7 @@ mod tests {
         // By hand: the folder, and a mask.
         for (given, count) in [("groundtruth", 2), ("groundtruth/gt000002.png", 1)] {
             let options = Open::from(Given { truth: Some(folder.path().join(given)), ..Given::default() });
-            let clip = media::open(&folder.path().join("input"), &options).unwrap();
+            let clip = media::open(&folder.path().join("input"), &options).unwrap().clip;
             let known = (0..2).filter(|t| clip.truth().unwrap().foreground(*t).unwrap().is_some()).count();
             assert_eq!(known, count, "{given}");
         }
@@ -741,7 +774,7 @@ mod tests {
         put(folder.path(), "made/my08.flo", export::flo(&flow(2.0)));
         let by_hand = |name: &str| {
             let options = Open::from(Given { truth: Some(folder.path().join(name)), ..Given::default() });
-            let clip = media::open(folder.path(), &options).unwrap();
+            let clip = media::open(folder.path(), &options).unwrap().clip;
             (u(&clip, 0), u(&clip, 1))
         };
         assert_eq!(by_hand("made/my.flo"), (Some(1.0), None));

@@ -19,8 +19,8 @@ use super::names::file_name;
 use super::sequence::parent;
 
 pub(super) use field::depth;
-pub(crate) use find::{Found, TruthFiles, beside, is_place, open};
-pub(crate) use subject::Subject;
+pub(crate) use find::{GroundTruth, is_place};
+use subject::Subject;
 
 /// Truth in files: a field is read when it is asked for, and the last few are kept.
 struct Files {

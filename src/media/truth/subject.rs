@@ -3,15 +3,14 @@
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
-use motionscope_core::data::ClipInfo;
-
+use crate::media::companion::LeftView;
 use crate::media::names::{file_name, stem};
 use crate::media::sequence::{number, parent};
 
 /// The clip that truth is sought for.
-pub(crate) struct Subject {
+pub(super) struct Subject {
     /// The opened path.
-    pub(super) path: PathBuf,
+    path: PathBuf,
     /// Width and height in pixels.
     pub(super) size: (usize, usize),
     /// The first of the clip's pictures, if it is made of pictures.
@@ -25,18 +24,18 @@ pub(crate) struct Subject {
 }
 
 impl Subject {
-    /// Describes the clip at `path` with `info`; `pictures` are its files, if it is an image sequence.
-    pub(crate) fn new(path: &Path, info: &ClipInfo, pictures: &[PathBuf]) -> Self {
+    /// Describes the clip whose frames lie in `left`, with the gray levels per px of disparity in 8-bit pictures.
+    pub(super) fn new(left: &LeftView<'_>, scale: Option<f32>) -> Self {
         let mut subject = Self {
-            path: path.into(),
-            size: (info.width, info.height),
-            first: pictures.first().cloned(),
+            path: left.path.into(),
+            size: left.size,
+            first: left.files.first().cloned(),
             numbers: Vec::new(),
             by_name: HashMap::new(),
             by_number: HashMap::new(),
-            scale: None,
+            scale,
         };
-        for (t, picture) in pictures.iter().enumerate() {
+        for (t, picture) in left.files.iter().enumerate() {
             let number = number(&file_name(picture));
             subject.numbers.push(number);
             subject.by_name.entry(stem(picture)).or_insert(t);
@@ -45,12 +44,6 @@ impl Subject {
             }
         }
         subject
-    }
-
-    /// The same with the gray levels per px of disparity of 8-bit pictures.
-    #[must_use]
-    pub(crate) fn with_scale(self, scale: Option<f32>) -> Self {
-        Self { scale, ..self }
     }
 
     /// Where the frames lie.

@@ -17,7 +17,8 @@ use serde::Deserialize;
 
 use super::FfmpegReason;
 use crate::media::helper::{self, Failure, Limits, Running, program};
-use crate::media::{Decoder, Open, Source, check_size, name_of};
+use crate::media::names::file_name;
+use crate::media::{Decoder, Open, Source, check_size};
 
 /// Frames that are decoded before the one sought, so that stepping back is at hand.
 const RUN_UP_FRAMES: usize = 24;
@@ -82,7 +83,7 @@ pub(super) fn open(path: &Path, options: &Open, why: &FfmpegReason) -> Result<So
     let (width, height) = first.size();
     decoder.first = Some(first);
     let info = ClipInfo {
-        name: name_of(path),
+        name: file_name(path),
         width,
         height,
         frames,

@@ -140,7 +140,7 @@ impl App {
         self.opening.loading = None;
         let source = Source::Synth { id: sample.id, difficulty: sample.difficulty() };
         let clip = match source.open(&Open::default()) {
-            Ok(clip) => clip,
+            Ok(opened) => opened.clip,
             Err(error) => {
                 self.opening.error = Some(error);
                 return;

@@ -425,7 +425,7 @@ mod tests {
     fn on(clip: &str) -> Document {
         let source = Source::parse(clip).expect("a scene");
         let mut document = Document::default();
-        document.open(source.open(&Open::default()).expect("a clip"), source, Given::default());
+        document.open(source.open(&Open::default()).expect("a clip").clip, source, Given::default());
         document
     }
 

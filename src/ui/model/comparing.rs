@@ -123,7 +123,7 @@ fn clip(plan: &Plan, round: &Round, stop: &Stop) -> Result<Clip, Error> {
     let Prepared { experiment, clip: open, .. } = &plan.prepared;
     let clip = match round.source == experiment.source {
         true => open.clone(),
-        false => round.source.open(&Open::from(experiment.given.clone()))?,
+        false => round.source.open(&Open::from(experiment.given.clone()))?.clip,
     };
     Ok(clip.until(stop.clone()))
 }

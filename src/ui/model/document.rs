@@ -437,7 +437,7 @@ mod tests {
     fn document() -> Document {
         let mut document = Document::default();
         let source = Source::synth(synth::SCENES[0].id).unwrap();
-        document.open(source.open(&Open::default()).unwrap(), source, Given::default());
+        document.open(source.open(&Open::default()).unwrap().clip, source, Given::default());
         document
     }
 

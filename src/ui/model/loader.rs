@@ -11,7 +11,7 @@ use super::background::Background;
 use crate::experiment;
 use crate::experiment::source::Source;
 use crate::media::export::{InputKind, Inputs};
-use crate::media::{self, Given, Open, Progress, RightView};
+use crate::media::{self, Given, Open, OpenedClip, Progress, RightView};
 use crate::session::{Named, Session};
 
 /// An opened clip.
@@ -101,8 +101,7 @@ fn opened(named: Named, written: Option<&Path>, progress: Arc<dyn Progress>) -> 
     let Named { source, given, session } = named;
     let control = Arc::clone(&progress);
     let options = Open { progress: Some(progress), ..Open::from(given.clone()) };
-    let clip = source.open(&options)?;
-    let mut inputs = source.inputs(&clip, &options);
+    let OpenedClip { clip, mut inputs } = source.open(&options)?;
     if let Some(file) = written {
         inputs.add(InputKind::Session, file);
     }

@@ -86,7 +86,7 @@ fn picture(id: &str, stop: &Stop) -> Result<ColorImage, Error> {
     if let Source::Synth { difficulty, .. } = &mut experiment.source {
         (difficulty.width, difficulty.height) = CLIP_PX;
     }
-    let clip = experiment.source.open(&Open::default())?.until(stop.clone());
+    let clip = experiment.source.open(&Open::default())?.clip.until(stop.clone());
     let look = Look { theme: Theme::Dark, focus: FocusMode::On, ..Look::default() };
     Ok(color_image(&still::of_step(&experiment, &clip, &look, stop)?))
 }
