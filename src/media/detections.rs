@@ -12,6 +12,7 @@ use super::companion::{Companion, LeftView};
 use super::export::InputKind;
 use super::input::{self, Node};
 use super::names::{extension, file_name};
+use super::numbers::whole;
 use super::truth::mot::{self, MOST_IN_A_FRAME};
 use super::{Given, Open, about, check_size};
 
@@ -115,7 +116,7 @@ pub fn open(path: &Path) -> Result<Clip, Error> {
         .iter()
         .flatten()
         .fold([1.0_f32; 2], |reach, found| [0, 1].map(|i| reach[i].max(found.bounds.max[i] + MARGIN_PX)));
-    let [width, height] = reach.map(|side| side.ceil() as usize);
+    let [width, height] = reach.map(|side| whole(side.ceil().into()).unwrap_or(usize::MAX));
     if check_size(width, height).is_err() {
         let why = format!("its boxes need a picture of {width}×{height} px, which is too large; see the farthest ones");
         return Err(about(path, &Error::new(why)));

@@ -4,6 +4,9 @@
 //! ground truth, depths, a right view, a calibration and detections, given or found beside it. A `Decoder` handles one format and
 //! nothing of caching, threads or ground truth.
 
+// Tests make pictures of patterns of bytes.
+#![cfg_attr(not(test), warn(clippy::cast_possible_truncation))]
+
 mod animation;
 mod cache;
 pub mod camera;
@@ -19,6 +22,7 @@ mod helper;
 mod info;
 pub(crate) mod input;
 pub(crate) mod names;
+mod numbers;
 mod open;
 mod options;
 mod picture;

@@ -236,7 +236,7 @@ impl Contrast {
     #[must_use]
     pub(crate) fn shown(self) -> Self {
         let bits = u16::BITS - self.high.leading_zeros();
-        let full = Self { low: 0, high: (u32::MAX >> (u32::BITS - bits.max(8))) as u16 };
+        let full = Self { low: 0, high: u16::MAX >> (u16::BITS - bits.max(8)) };
         let is_most = u32::from(self.high - self.low) * 2 >= u32::from(full.high);
         if is_most || self.high <= 255 || self.high == self.low { full } else { self }
     }
@@ -247,7 +247,7 @@ impl Contrast {
             let (low, width) = (u32::from(self.low), u32::from(self.high - self.low).max(1));
             deep_samples(image, |sample| {
                 let above = u32::from(*sample).saturating_sub(low).min(width);
-                *sample = ((u64::from(above) * 65_535 + u64::from(width) / 2) / u64::from(width)) as u16;
+                *sample = ((u64::from(above) * 65_535 + u64::from(width) / 2) / u64::from(width)).min(65_535) as u16;
             });
         }
     }
@@ -284,14 +284,14 @@ pub(crate) fn frame(image: DynamicImage) -> Result<Frame, Error> {
 }
 
 fn on_black(value: u8, alpha: u8) -> u8 {
-    ((u32::from(value) * u32::from(alpha) + 127) / 255) as u8
+    ((u32::from(value) * u32::from(alpha) + 127) / 255).min(255) as u8
 }
 
 /// Returns the size and allocation limits for decoding an image of `bytes`.
 pub(crate) fn limits(bytes: u64) -> Limits {
     let mut limits = Limits::default();
-    limits.max_image_width = Some(MAX_SIDE_PX as u32);
-    limits.max_image_height = Some(MAX_SIDE_PX as u32);
+    limits.max_image_width = u32::try_from(MAX_SIDE_PX).ok();
+    limits.max_image_height = u32::try_from(MAX_SIDE_PX).ok();
     // The pixels twice more while they are decoded, and some tables.
     limits.max_alloc = Some(bytes.saturating_mul(3).saturating_add(64 << 20));
     limits

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use motionscope_core::base::{Error, Stop};
 
 use super::{CameraFeed, Format, Size};
+use crate::media::numbers::whole;
 
 /// Frames per second.
 const RATE: f64 = 30.0;
@@ -49,8 +50,8 @@ impl TestPicture {
         let mut samples = self.background.clone();
         let (luma, chroma) = samples.split_at_mut(self.size[0] * self.size[1]);
         let (u, v) = chroma.split_at_mut(chroma.len() / 2);
-        for (number, disc) in DISCS.iter().enumerate() {
-            self.draw(disc, (index, number as u32 + 2), [&mut *luma, &mut *u, &mut *v]);
+        for (seed, disc) in (2..).zip(&DISCS) {
+            self.draw(disc, (index, seed), [&mut *luma, &mut *u, &mut *v]);
         }
         samples
     }
@@ -62,14 +63,14 @@ impl TestPicture {
         let turn = [0, 1].map(|i| (TAU * disc.turns_hz[i] * seconds + f64::from(seed)).sin());
         let center = [0, 1].map(|i| self.size[i] as f64 / 2.0 + disc.path[i] * height as f64 * turn[i]);
         // Whole pixels, so that the texture moves with the disc.
-        let [x0, y0] = center.map(|c| c.round() as i64);
-        let radius = (disc.radius * height as f64).round() as i64;
+        let [x0, y0] = center.map(|c| whole(c.round()).unwrap_or(0_i64));
+        let radius = whole((disc.radius * height as f64).round()).unwrap_or(0_i64);
         for dy in -radius..=radius {
-            let reach = ((radius * radius - dy * dy) as f64).sqrt() as i64;
+            let reach = whole(((radius * radius - dy * dy) as f64).sqrt()).unwrap_or(0_i64);
             let Some(y) = usize::try_from(y0 + dy).ok().filter(|y| *y < height) else { continue };
             for dx in -reach..=reach {
                 let Some(x) = usize::try_from(x0 + dx).ok().filter(|x| *x < width) else { continue };
-                luma[y * width + x] = texture([(dx + radius) as usize, (dy + radius) as usize], seed, 90);
+                luma[y * width + x] = texture([dx, dy].map(|c| usize::try_from(c + radius).unwrap_or(0)), seed, 90);
                 let at = y / 2 * width.div_ceil(2) + x / 2;
                 [u[at], v[at]] = disc.color;
             }
@@ -87,7 +88,7 @@ impl CameraFeed for TestPicture {
     fn next(&mut self, stop: &Stop) -> Result<Option<Vec<u8>>, Error> {
         stop.check()?;
         // As with a camera, frames that were not taken in time are dropped.
-        let now = (self.begun.elapsed().as_secs_f64() * RATE) as u64;
+        let now = whole(self.begun.elapsed().as_secs_f64() * RATE).unwrap_or(self.next);
         let index = self.next.max(now);
         let due = Duration::from_secs_f64(index as f64 / RATE);
         thread::sleep(due.saturating_sub(self.begun.elapsed()));
@@ -104,13 +105,13 @@ fn texture([x, y]: [usize; 2], seed: u32, mean: u8) -> u8 {
         let mix = |a: f32, b: f32, t: f32| a + t * (b - a);
         mix(mix(at(0, 0), at(1, 0), fx), mix(at(0, 1), at(1, 1), fx), fy)
     };
-    (f32::from(mean) + 60.0 * noise(24) + 40.0 * noise(6)) as u8
+    whole((f32::from(mean) + 60.0 * noise(24) + 40.0 * noise(6)).into()).unwrap_or(mean)
 }
 
 /// A random number from −0.5 to 0.5 for numbers and a seed.
 fn random(numbers: [usize; 3], seed: u32) -> f32 {
     let mixed = numbers.iter().fold(seed, |hash, &number| {
-        let hash = (hash ^ number as u32).wrapping_mul(0x9E37_79B1);
+        let hash = (hash ^ u32::try_from(number).unwrap_or(u32::MAX)).wrapping_mul(0x9E37_79B1);
         hash ^ hash >> 15
     });
     mixed as f32 / u32::MAX as f32 - 0.5

@@ -5,6 +5,7 @@ use motionscope_core::data::Disparity;
 
 use super::Kitti;
 use super::picture::{Pixels, png, png_result};
+use crate::media::numbers::whole;
 
 /// Gray levels per px of disparity.
 const SCALE: f32 = 256.0;
@@ -42,9 +43,8 @@ fn encode(Disparity(map): &Disparity, png: fn(usize, usize, Pixels) -> Result<Ve
     let mut out_of_range = 0;
     let mut samples = Vec::with_capacity(2 * map.cells().len());
     for d in map.cells() {
-        let level = (d * SCALE).round();
         // 0 stands for unknown.
-        let level = if (1.0..=65_535.0).contains(&level) { level as u16 } else { 0 };
+        let level = whole((d * SCALE).round().into()).unwrap_or(0_u16);
         out_of_range += usize::from(d.is_finite() && level == 0);
         samples.extend(level.to_be_bytes());
     }

@@ -11,8 +11,9 @@ pub fn flo(flow: &Flow) -> Vec<u8> {
     let (width, height) = flow.0.size();
     let mut bytes = Vec::with_capacity(12 + 8 * width * height);
     bytes.extend_from_slice(b"PIEH");
-    bytes.extend_from_slice(&(width as i32).to_le_bytes());
-    bytes.extend_from_slice(&(height as i32).to_le_bytes());
+    for side in [width, height] {
+        bytes.extend_from_slice(&i32::try_from(side).unwrap_or(i32::MAX).to_le_bytes());
+    }
     for uv in flow.0.cells() {
         let [u, v] = if uv.iter().all(|c| c.is_finite()) { *uv } else { [UNKNOWN; 2] };
         bytes.extend_from_slice(&u.to_le_bytes());

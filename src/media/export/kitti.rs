@@ -4,6 +4,7 @@ use motionscope_core::base::Error;
 use motionscope_core::data::Flow;
 
 use super::picture::{Pixels, png, png_result};
+use crate::media::numbers::whole;
 
 /// A flow field as KITTI keeps it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -48,8 +49,7 @@ fn encode(flow: &Flow, png: fn(usize, usize, Pixels) -> Result<Vec<u8>, Error>) 
 }
 
 fn code(component_px: f32) -> Option<u16> {
-    let value = (component_px * 64.0 + 32_768.0).round();
-    (0.0..=65_535.0).contains(&value).then_some(value as u16)
+    whole((component_px * 64.0 + 32_768.0).round().into())
 }
 
 #[cfg(test)]

@@ -18,7 +18,7 @@ pub fn npy_of(kind: &str, shape: &str, data: impl Iterator<Item = u8>) -> Vec<u8
     header.push('\n');
     let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
     // At most 118 characters: two sizes of up to 20 digits each.
-    bytes.extend_from_slice(&(header.len() as u16).to_le_bytes());
+    bytes.extend_from_slice(&u16::try_from(header.len()).unwrap_or(u16::MAX).to_le_bytes());
     bytes.extend_from_slice(header.as_bytes());
     bytes.extend(data);
     bytes

@@ -13,6 +13,7 @@ use png::{BitDepth, ColorType, Transformations};
 use super::file_error;
 use crate::media::cannot_read;
 use crate::media::names::{extension, stem};
+use crate::media::numbers::single;
 
 /// Magnitudes above this say that the motion is not known (Middlebury).
 const UNKNOWN_ABOVE: f32 = 1e9;
@@ -383,7 +384,7 @@ fn flow_of(matrix: &Matrix3, (width, height): (usize, usize)) -> Flow {
     let matrix = oriented(matrix, std::iter::once(middle)).unwrap_or(*matrix);
     Flow(Grid::from_fn(width, height, |x, y| {
         let at = [x as f64, y as f64];
-        mapped(&matrix, at).map_or(Flow::UNKNOWN, |to| known([0, 1].map(|i| (to[i] - at[i]) as f32)))
+        mapped(&matrix, at).map_or(Flow::UNKNOWN, |to| known([0, 1].map(|i| single(to[i] - at[i]))))
     }))
 }
 

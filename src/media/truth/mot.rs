@@ -7,6 +7,7 @@ use motionscope_core::base::Error;
 use motionscope_core::data::ObjectBox;
 
 use super::file_error;
+use crate::media::numbers::{self, single};
 use crate::media::{input, table};
 
 /// More than any sequence of the benchmark by a factor of ten.
@@ -193,12 +194,12 @@ fn row(line: usize, text: &str) -> Result<Row, String> {
     }
     // Nine columns end in the visibility; the older ten end in a place in the world.
     let visibility = match rest {
-        &[_, _, visibility] if !visibility.is_nan() => visibility.clamp(0.0, 1.0) as f32,
+        &[_, _, visibility] if !visibility.is_nan() => single(visibility.clamp(0.0, 1.0)),
         _ => 1.0,
     };
-    let confidence = rest.first().map_or(1.0, |&confidence| confidence as f32);
-    let min = [left, top].map(|edge| (edge - FIRST_PX) as f32);
-    let size = [width, height].map(|side| side as f32);
+    let confidence = rest.first().map_or(1.0, |&confidence| single(confidence));
+    let min = [left, top].map(|edge| single(edge - FIRST_PX));
+    let size = [width, height].map(single);
     // The class stands between confidence and visibility in the nine columns of a truth.
     let is_distractor = matches!(rest, &[_, class, _] if DISTRACTORS.contains(&class));
     let is_scored = confidence != 0.0 && !is_distractor;
@@ -210,11 +211,8 @@ fn row(line: usize, text: &str) -> Result<Row, String> {
 }
 
 fn whole(what: &str, value: f64, least: f64) -> Result<u32, String> {
-    if value.fract() == 0.0 && (least..=f64::from(u32::MAX)).contains(&value) {
-        Ok(value as u32)
-    } else {
-        Err(format!("{what} {value} should be a whole number from {least} on"))
-    }
+    let number = numbers::whole(value).filter(|_| value.fract() == 0.0 && value >= least);
+    number.ok_or_else(|| format!("{what} {value} should be a whole number from {least} on"))
 }
 
 #[cfg(test)]

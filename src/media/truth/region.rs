@@ -8,6 +8,7 @@ use motionscope_core::data::ObjectBox;
 
 use super::file_error;
 use super::mot::Tracks;
+use crate::media::numbers::single;
 use crate::media::table;
 
 /// Largest coordinate and size of a box in px; larger values are errors.
@@ -88,11 +89,11 @@ fn object(line: &str) -> Result<Option<ObjectBox>, String> {
             [[least(0), least(1)], [most(0), most(1)]]
         }
     };
-    let [width, height] = [0, 1].map(|i| (max[i] - min[i]) as f32);
+    let [width, height] = [0, 1].map(|i| single(max[i] - min[i]));
     if width <= 0.0 || height <= 0.0 {
         return Ok(None);
     }
-    let [x, y] = min.map(|edge| (edge - FIRST_PX) as f32);
+    let [x, y] = min.map(|edge| single(edge - FIRST_PX));
     Ok(Some(ObjectBox { id: ID, x, y, width, height, visibility: 1.0 }))
 }
 

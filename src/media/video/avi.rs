@@ -83,9 +83,8 @@ impl Chunks {
             self.samples.push(Sample { offset, size, time: self.order.len() as i64, key: true });
         }
         // An empty chunk shows the picture before it once more.
-        if let Some(last) = self.samples.len().checked_sub(1) {
-            self.order.push(last as u32);
-        }
+        let last = self.samples.len().checked_sub(1).and_then(|last| u32::try_from(last).ok());
+        self.order.extend(last);
     }
 }
 

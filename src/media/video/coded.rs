@@ -59,7 +59,7 @@ pub(crate) struct Track {
 impl Track {
     /// Shows all samples by their times.
     pub(crate) fn order_by_time(&mut self) {
-        let mut order: Vec<u32> = (0..self.samples.len() as u32).collect();
+        let mut order: Vec<u32> = (0..).take(self.samples.len()).collect();
         order.sort_by_key(|&s| self.samples[s as usize].time);
         self.order = order;
     }
@@ -233,7 +233,7 @@ impl Coded {
             }
             let picture = self.picture(number, &sample).map_err(|why| self.because_of(number, target, &why))?;
             // One sample can be shown more than once.
-            let place = if number == target { Some(index) } else { self.places.get(&(number as u32)).copied() };
+            let place = if number == target { Some(index) } else { self.place(number) };
             if let Some(place) = place {
                 keep(place, picture)?;
             }
@@ -254,9 +254,14 @@ impl Coded {
         picture
     }
 
+    /// The frame that sample `number` is, if it is one.
+    fn place(&self, number: usize) -> Option<usize> {
+        self.places.get(&u32::try_from(number).ok()?).copied()
+    }
+
     /// What keeps sample `target` from being decoded, where it is `number` that is broken.
     fn because_of(&self, number: usize, target: usize, why: &Error) -> Error {
-        match self.places.get(&(number as u32)) {
+        match self.place(number) {
             Some(place) if number != target => Error::new(format!("it builds on frame {place}, of which {why}")),
             _ => why.clone(),
         }

@@ -177,7 +177,8 @@ impl Yuv {
         let [mut luma, ..] = self.planes;
         if !self.colors.full_range {
             // 16 to 235 become 0 to 255, rounded.
-            let wide: [u8; 256] = std::array::from_fn(|v| ((v.saturating_sub(16) * 255 + 109) / 219).min(255) as u8);
+            let wide = |v: usize| u8::try_from((v.saturating_sub(16) * 255 + 109) / 219).unwrap_or(u8::MAX);
+            let wide: [u8; 256] = std::array::from_fn(wide);
             luma.iter_mut().for_each(|v| *v = wide[usize::from(*v)]);
         }
         Grid::from_vec(self.width, self.height, luma).map(Frame::gray)
@@ -209,16 +210,18 @@ impl Yuv {
 
     fn into_rgb(self) -> Result<Frame, Error> {
         let [_, (chroma_width, _), _] = Self::plane_sizes(self.width, self.height, self.chroma);
+        let [width, height, chroma_width] =
+            [self.width, self.height, chroma_width].map(|side| u32::try_from(side).unwrap_or(u32::MAX));
         let [y_plane, u_plane, v_plane] = &self.planes;
         let image = YuvPlanarImage {
             y_plane,
-            y_stride: self.width as u32,
+            y_stride: width,
             u_plane,
-            u_stride: chroma_width as u32,
+            u_stride: chroma_width,
             v_plane,
-            v_stride: chroma_width as u32,
-            width: self.width as u32,
-            height: self.height as u32,
+            v_stride: chroma_width,
+            width,
+            height,
         };
         let range = if self.colors.full_range { YuvRange::Full } else { YuvRange::Limited };
         let matrix = match self.colors.matrix {
@@ -232,9 +235,9 @@ impl Yuv {
             _ => yuv::yuv444_to_rgb,
         };
         let mut rgb = vec![[0_u8; 3]; self.width * self.height];
-        convert(&image, bytemuck::cast_slice_mut(&mut rgb), 3 * self.width as u32, range, matrix).map_err(|error| {
-            Error::new(format!("its colours cannot be converted{}", reason::bracketed(&error.to_string())))
-        })?;
+        convert(&image, bytemuck::cast_slice_mut(&mut rgb), width.saturating_mul(3), range, matrix).map_err(
+            |error| Error::new(format!("its colours cannot be converted{}", reason::bracketed(&error.to_string()))),
+        )?;
         Grid::from_vec(self.width, self.height, rgb).map(Frame::rgb)
     }
 }

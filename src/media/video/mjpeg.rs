@@ -97,8 +97,8 @@ fn jpeg_at(input: &mut Input, offset: u64) -> Result<Option<Sample>, Error> {
             return Ok(None);
         }
         let end = Jpeg::parse(&data).map(|jpeg| jpeg.end).filter(|end| data[..*end].ends_with(&[0xFF, 0xD9]));
-        if let Some(end) = end {
-            return Ok(Some(Sample { offset, size: end as u32, time: 0, key: true }));
+        if let Some(size) = end.and_then(|end| u32::try_from(end).ok()) {
+            return Ok(Some(Sample { offset, size, time: 0, key: true }));
         }
         if (data.len() as u64) < count || count >= LARGEST_BYTES {
             return Ok(None);

@@ -17,9 +17,9 @@ pub(crate) fn box_header(head: &[u8]) -> Option<([u8; 4], u64, u64)> {
 pub(crate) fn boxes(mut data: &[u8]) -> impl Iterator<Item = ([u8; 4], &[u8])> {
     std::iter::from_fn(move || {
         let (kind, header, size) = box_header(data)?;
-        let size = if size == 0 { data.len() as u64 } else { size };
-        let payload = data.get(header as usize..usize::try_from(size).ok()?)?;
-        data = &data[size as usize..];
+        let size = if size == 0 { data.len() } else { usize::try_from(size).ok()? };
+        let payload = data.get(usize::try_from(header).ok()?..size)?;
+        data = &data[size..];
         Some((kind, payload))
     })
 }

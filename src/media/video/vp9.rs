@@ -29,7 +29,8 @@ impl Vp9 {
 
     /// Refuses sizes that no picture can have before the decoder makes room for them.
     fn check(&mut self, sample: &[u8]) -> Result<(), Error> {
-        let known = [(self.size.0 as u32, self.size.1 as u32); 8];
+        let side = |side| u32::try_from(side).unwrap_or(u32::MAX);
+        let known = [(side(self.size.0), side(self.size.1)); 8];
         for frame in frames(sample) {
             let header = parse_uncompressed_header(&mut BitReader::new(frame), &known)
                 .map_err(|error| damaged(&error.to_string()))?;

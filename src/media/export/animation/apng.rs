@@ -17,14 +17,14 @@ pub fn encode(reel: &Reel, progress: Option<&dyn Progress>) -> Result<Vec<u8>, E
     encoder.set_color(ColorType::Rgb);
     encoder.set_compression(Compression::Fast);
     encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
-    encoder.set_animated(reel.shots() as u32, 0).map_err(why)?;
+    encoder.set_animated(u32::try_from(reel.shots()).unwrap_or(u32::MAX), 0).map_err(why)?;
     encoder.set_dispose_op(DisposeOp::None).map_err(why)?;
     encoder.set_blend_op(BlendOp::Source).map_err(why)?;
     encoder.add_text_chunk("Software".into(), "Motionscope".into()).map_err(why)?;
     let mut writer = encoder.write_header().map_err(why)?;
     let mut before: Option<Vec<u8>> = None;
     reel.each(AnimationFormat::Apng, progress, |_, shot| {
-        let delay_ms = shot.ticks(1000.0).min(u32::from(u16::MAX)) as u16;
+        let delay_ms = u16::try_from(shot.ticks(1000.0)).unwrap_or(u16::MAX);
         let now = shot.picture.into_raw();
         let area = before.as_ref().map_or(Area::whole(reel.size), |before| Area::of_changes([before, &now], width, 3));
         if before.is_some() {

@@ -5,11 +5,9 @@ use std::borrow::Cow;
 use ::gif::{DisposalMethod, Encoder, Frame, Repeat};
 use motionscope_core::base::Error;
 
-use super::palette::{COLORS, Palette};
+use super::palette::{Palette, UNCHANGED};
 use super::{AnimationFormat, Area, Progress, Reel, failed};
 
-/// The index of pixels that stay as they were.
-const UNCHANGED: u8 = COLORS as u8;
 /// The shortest time that viewers respect, in hundredths of a second.
 pub(super) const LEAST_DELAY: u32 = 2;
 
@@ -39,12 +37,11 @@ pub fn encode(reel: &Reel, progress: Option<&dyn Progress>) -> Result<Vec<u8>, E
             }
         };
         let frame = Frame {
-            // Not beyond `wide` and `tall`, which fit.
-            left: area.x as u16,
-            top: area.y as u16,
-            width: area.width as u16,
-            height: area.height as u16,
-            delay: shot.ticks(100.0).clamp(LEAST_DELAY, u32::from(u16::MAX)) as u16,
+            left: side(area.x)?,
+            top: side(area.y)?,
+            width: side(area.width)?,
+            height: side(area.height)?,
+            delay: u16::try_from(shot.ticks(100.0).max(LEAST_DELAY)).unwrap_or(u16::MAX),
             dispose: DisposalMethod::Keep,
             transparent: before.is_some().then_some(UNCHANGED),
             buffer: Cow::Owned(pixels),

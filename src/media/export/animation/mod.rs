@@ -13,6 +13,7 @@ use image::{ImageFormat, Rgb, RgbImage};
 use motionscope_core::base::Error;
 
 use crate::media::Progress;
+use crate::media::numbers::{single, whole};
 
 /// The time for which the last picture stays before an animation begins anew, in seconds.
 const LAST_S: f64 = 2.0;
@@ -104,7 +105,7 @@ impl Timing {
     #[must_use]
     pub fn played(self, format: AnimationFormat) -> Self {
         let most_hz = 1.0 / (format.least_s() * f64::from(1 + self.between));
-        Self { rate_hz: self.rate_hz.min(most_hz as f32), ..self }
+        Self { rate_hz: self.rate_hz.min(single(most_hz)), ..self }
     }
 
     /// Returns the time of each picture in seconds, if each has at least `least_s`: of a step, and of one that leads to the next.
@@ -144,7 +145,7 @@ impl Shot {
     /// Returns its time in units of which `per_second` make a second. Both ends are rounded, so that rounding errors do not add up.
     fn ticks(&self, per_second: f64) -> u32 {
         // The end of one picture and the start of the next are computed apart: halves are rounded to the same side.
-        let end = |time: f64| (time * per_second + 1e-6).round() as u32;
+        let end = |time: f64| whole((time * per_second + 1e-6).round()).unwrap_or(u32::MAX);
         end(self.until_s).saturating_sub(end(self.from_s))
     }
 }
@@ -249,9 +250,9 @@ impl Reel {
 /// Mixes two pictures of one size; `weight` is that of the second.
 fn blend([first, second]: [&RgbImage; 2], weight: f32) -> RgbImage {
     let mut mixed = first.clone();
-    let part = (weight * 256.0).round() as u32;
+    let part = whole((weight * 256.0).round().into()).unwrap_or(256).min(256);
     for (to, from) in mixed.iter_mut().zip(second.iter()) {
-        *to = ((u32::from(*to) * (256 - part) + u32::from(*from) * part + 128) >> 8) as u8;
+        *to = ((u32::from(*to) * (256 - part) + u32::from(*from) * part + 128) >> 8).min(255) as u8;
     }
     mixed
 }
@@ -286,7 +287,8 @@ impl Area {
             }
         }
         let Some(top) = top else { return Self { x: 0, y: 0, width: 1, height: 1 } };
-        let [x, y, width, height] = [left, top, right + 1 - left, bottom + 1 - top].map(|side| side as u32);
+        let [x, y, width, height] =
+            [left, top, right + 1 - left, bottom + 1 - top].map(|side| u32::try_from(side).unwrap_or(u32::MAX));
         Self { x, y, width, height }
     }
 

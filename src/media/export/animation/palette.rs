@@ -7,8 +7,10 @@ use motionscope_core::base::Error;
 
 use super::{AnimationFormat, Progress, Reel};
 
-/// The number of colours; one more is left for pixels that do not change.
-pub const COLORS: usize = 255;
+/// The index of pixels that do not change.
+pub const UNCHANGED: u8 = u8::MAX;
+/// The number of colours, whose indices are smaller.
+const COLORS: usize = UNCHANGED as usize;
 /// The number of colours that are kept exactly: areas, words and marks are of one colour each.
 const EXACT: usize = 64;
 /// The number of pixels that are counted, of all pictures together.
@@ -35,7 +37,7 @@ impl Palette {
     pub fn of(reel: &Reel, progress: Option<&dyn Progress>) -> Result<Self, Error> {
         let pixels = reel.shots() as u64 * u64::from(reel.size[0]) * u64::from(reel.size[1]);
         // Odd, so that columns are not counted again and again.
-        let every = (pixels / COUNTED) as usize | 1;
+        let every = usize::try_from(pixels / COUNTED).unwrap_or(usize::MAX) | 1;
         let mut counts: HashMap<[u8; 3], u32> = HashMap::new();
         reel.each(AnimationFormat::Gif, progress, |_, shot| {
             for pixel in shot.picture.pixels().step_by(every) {
@@ -63,8 +65,8 @@ impl Palette {
         }
         let distance =
             |other: &[u8; 3]| (0..3).map(|i| color[i].abs_diff(other[i])).map(|d| u32::from(d).pow(2)).sum::<u32>();
-        let nearest = self.colors.iter().enumerate().min_by_key(|(_, other)| distance(other));
-        let index = nearest.map_or(0, |(index, _)| index as u8);
+        let nearest = (0..UNCHANGED).zip(&self.colors).min_by_key(|(_, other)| distance(other));
+        let index = nearest.map_or(0, |(index, _)| index);
         self.looked_up[place] = Some((color, index));
         index
     }

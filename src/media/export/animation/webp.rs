@@ -64,7 +64,7 @@ fn still(rgb: &[u8], area: Area) -> Result<Vec<u8>, Error> {
 /// Appends a chunk; those of an odd length are filled up.
 fn chunk(to: &mut Vec<u8>, name: &[u8; 4], content: &[u8]) {
     to.extend_from_slice(name);
-    to.extend_from_slice(&(content.len() as u32).to_le_bytes());
+    to.extend_from_slice(&u32::try_from(content.len()).unwrap_or(u32::MAX).to_le_bytes());
     to.extend_from_slice(content);
     to.extend(std::iter::repeat_n(0, content.len() % 2));
 }
