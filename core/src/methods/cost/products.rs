@@ -127,11 +127,22 @@ mod x86 {
     trait Lanes: Copy {
         /// Candidates of a register.
         const COUNT: usize;
+        /// # Safety
+        /// The processor must have the instructions of the register.
         unsafe fn zero() -> Self;
+        /// # Safety
+        /// As for [`Lanes::zero`].
         unsafe fn splat(pair: u32) -> Self;
+        /// # Safety
+        /// As for [`Lanes::zero`], and `COUNT` numbers must be readable from `pairs` on.
         unsafe fn load(pairs: *const u32) -> Self;
+        /// # Safety
+        /// As for [`Lanes::zero`], and `COUNT` numbers must be writable from `sums` on.
         unsafe fn store(self, sums: *mut u32);
         /// Adds the products of the pairs `a` and `b`.
+        ///
+        /// # Safety
+        /// As for [`Lanes::zero`].
         unsafe fn plus(self, a: Self, b: Self) -> Self;
     }
 
@@ -235,6 +246,11 @@ mod x86 {
     }
 
     /// The sums of `N` registers of candidates beside each other, in two rows of places.
+    ///
+    /// # Safety
+    /// The processor must have the instructions of `V`. `(height + 2) · pairs` numbers must be readable from `block` on, and in each of
+    /// `height + 1` rows of `area`, `reach` numbers apart, `2 · pairs + N · COUNT`; in two rows of `sums`, `stride` apart, `N · COUNT`
+    /// must be writable.
     #[inline(always)]
     unsafe fn strip<V: Lanes, const N: usize>(places: &Places, block: *const u32, area: *const u32, sums: *mut u32) {
         let Places { size: (pairs, height), reach, stride, .. } = *places;

@@ -94,18 +94,16 @@ unsafe fn strip<const SQUARED: bool>(
 }
 
 /// Sums of the differences of 16 pixels, spread over the register.
-#[inline(always)]
-unsafe fn row_differences<const SQUARED: bool>(a: __m128i, b: __m128i) -> __m128i {
-    // SAFETY: every x86-64 processor has SSE2.
-    unsafe {
-        if !SQUARED {
-            return _mm_sad_epu8(a, b);
-        }
-        let zero = _mm_setzero_si128();
-        let difference = _mm_or_si128(_mm_subs_epu8(a, b), _mm_subs_epu8(b, a));
-        let (low, high) = (_mm_unpacklo_epi8(difference, zero), _mm_unpackhi_epi8(difference, zero));
-        _mm_add_epi32(_mm_madd_epi16(low, low), _mm_madd_epi16(high, high))
+#[inline]
+#[target_feature(enable = "sse2")]
+fn row_differences<const SQUARED: bool>(a: __m128i, b: __m128i) -> __m128i {
+    if !SQUARED {
+        return _mm_sad_epu8(a, b);
     }
+    let zero = _mm_setzero_si128();
+    let difference = _mm_or_si128(_mm_subs_epu8(a, b), _mm_subs_epu8(b, a));
+    let (low, high) = (_mm_unpacklo_epi8(difference, zero), _mm_unpackhi_epi8(difference, zero));
+    _mm_add_epi32(_mm_madd_epi16(low, low), _mm_madd_epi16(high, high))
 }
 
 /// Side of the tiles into which a block is cut.
@@ -150,8 +148,7 @@ pub fn avx512(block: &Cut, area: &Cut, columns: usize, sums: &mut [u32]) {
                 _ => add_quads::<4>(&tile, &quads, area, columns, sums),
             }
         } else {
-            // SAFETY: this function is only compiled for processors with AVX2.
-            unsafe { add_tile(&tile, block, area, columns, sums) }
+            add_tile(&tile, block, area, columns, sums);
         }
     }
 }
@@ -160,8 +157,7 @@ pub fn avx512(block: &Cut, area: &Cut, columns: usize, sums: &mut [u32]) {
 #[target_feature(enable = "avx2")]
 pub fn avx2(block: &Cut, area: &Cut, columns: usize, sums: &mut [u32]) {
     for tile in tiles(block) {
-        // SAFETY: as above.
-        unsafe { add_tile(&tile, block, area, columns, sums) }
+        add_tile(&tile, block, area, columns, sums);
     }
 }
 
@@ -197,6 +193,7 @@ impl Quads {
 #[target_feature(enable = "avx512f,avx512bw,avx512vl,avx2")]
 fn add_quads<const COUNT: usize>(tile: &Tile, quads: &Quads, area: &Cut, columns: usize, sums: &mut [u32]) {
     let rows = sums.len() / columns;
+    assert!(sums.len() == rows * columns && tile.width == 4 * COUNT && tile.height >= LANES - 1);
     tile.check(area, (columns, rows), LANES, 8);
     for j in (0..rows).step_by(LANES) {
         for i in (0..columns).step_by(PLACES) {
@@ -213,7 +210,7 @@ fn add_quads<const COUNT: usize>(tile: &Tile, quads: &Quads, area: &Cut, columns
             ];
             let inside = if i + PLACES <= columns { u8::MAX } else { (1 << (columns - i)) - 1 };
             for (lane, row) in lanes.into_iter().zip(sums[j * columns..].chunks_mut(columns)) {
-                // SAFETY: `inside` leaves out what lies past the end of the row.
+                // SAFETY: the assert has seen that every row has `columns` sums; `inside` leaves out the lanes past the last.
                 unsafe {
                     let sums = row.as_mut_ptr().add(i).cast::<i32>();
                     let before = _mm256_maskz_loadu_epi32(inside, sums);
@@ -226,6 +223,10 @@ fn add_quads<const COUNT: usize>(tile: &Tile, quads: &Quads, area: &Cut, columns
 }
 
 /// The sums of eight places in each of four rows of places, the first of them at `start`.
+///
+/// # Safety
+/// From `start` on, 24 bytes of each of the `slots.len() + 3` rows, `stride` bytes apart, must be readable; there must be at least 3
+/// slots.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw,avx512vl,avx2")]
 unsafe fn quad_sums<const COUNT: usize>(slots: &[Slot], start: *const u8, stride: usize) -> __m512i {
@@ -295,46 +296,41 @@ impl Rows {
 }
 
 /// Sums of the differences of two times 16 pixels, spread over each lane.
-#[inline(always)]
-unsafe fn differences<const SQUARED: bool>(a: __m256i, b: __m256i) -> __m256i {
-    // SAFETY: the caller vouches for AVX2.
-    unsafe {
-        if !SQUARED {
-            return _mm256_sad_epu8(a, b);
-        }
-        let zero = _mm256_setzero_si256();
-        let difference = _mm256_or_si256(_mm256_subs_epu8(a, b), _mm256_subs_epu8(b, a));
-        let (low, high) = (_mm256_unpacklo_epi8(difference, zero), _mm256_unpackhi_epi8(difference, zero));
-        _mm256_add_epi32(_mm256_madd_epi16(low, low), _mm256_madd_epi16(high, high))
+#[inline]
+#[target_feature(enable = "avx2")]
+fn differences<const SQUARED: bool>(a: __m256i, b: __m256i) -> __m256i {
+    if !SQUARED {
+        return _mm256_sad_epu8(a, b);
     }
+    let zero = _mm256_setzero_si256();
+    let difference = _mm256_or_si256(_mm256_subs_epu8(a, b), _mm256_subs_epu8(b, a));
+    let (low, high) = (_mm256_unpacklo_epi8(difference, zero), _mm256_unpackhi_epi8(difference, zero));
+    _mm256_add_epi32(_mm256_madd_epi16(low, low), _mm256_madd_epi16(high, high))
 }
 
 /// The sum of each lane, in the first and the fifth of eight numbers.
-#[inline(always)]
-unsafe fn lane_sums<const SQUARED: bool>(total: __m256i) -> __m256i {
-    // SAFETY: the caller vouches for AVX2.
-    unsafe {
-        let halves = _mm256_add_epi32(total, _mm256_unpackhi_epi64(total, total));
-        if SQUARED { _mm256_add_epi32(halves, _mm256_srli_epi64::<32>(halves)) } else { halves }
-    }
+#[inline]
+#[target_feature(enable = "avx2")]
+fn lane_sums<const SQUARED: bool>(total: __m256i) -> __m256i {
+    let halves = _mm256_add_epi32(total, _mm256_unpackhi_epi64(total, total));
+    if SQUARED { _mm256_add_epi32(halves, _mm256_srli_epi64::<32>(halves)) } else { halves }
 }
 
 /// Adds the part of `tile` to the sums of all candidates.
-#[inline(always)]
-unsafe fn add_tile(tile: &Tile, block: &Cut, area: &Cut, columns: usize, sums: &mut [u32]) {
-    // SAFETY: the caller vouches for AVX2.
-    unsafe {
-        let rows = Rows::new(block, tile);
-        if (tile.width, tile.height) == (TILE, TILE) {
-            add_rows::<true>(tile, &rows, area, columns, sums);
-        } else {
-            add_rows::<false>(tile, &rows, area, columns, sums);
-        }
+#[inline]
+#[target_feature(enable = "avx2")]
+fn add_tile(tile: &Tile, block: &Cut, area: &Cut, columns: usize, sums: &mut [u32]) {
+    let rows = Rows::new(block, tile);
+    if (tile.width, tile.height) == (TILE, TILE) {
+        add_rows::<true>(tile, &rows, area, columns, sums);
+    } else {
+        add_rows::<false>(tile, &rows, area, columns, sums);
     }
 }
 
-#[inline(always)]
-unsafe fn add_rows<const FULL: bool>(
+#[inline]
+#[target_feature(enable = "avx2")]
+fn add_rows<const FULL: bool>(
     tile: &Tile,
     Rows { pixels, masks }: &Rows,
     area: &Cut,
@@ -345,23 +341,20 @@ unsafe fn add_rows<const FULL: bool>(
     tile.check(area, (columns, rows), 2, 0);
     for j in (0..rows).step_by(2) {
         for i in 0..columns {
-            // SAFETY: `check` has seen that all rows and bytes that are read lie inside the area; the caller
-            // vouches for AVX2.
-            unsafe {
-                let start = area.pixels.as_ptr().add((j + tile.y) * area.stride + tile.x + i);
-                let row = |r: usize| _mm_loadu_si128(start.add(r * area.stride).cast());
-                let mut total = _mm256_setzero_si256();
-                for r in 0..TILE {
-                    let both =
-                        if r == 0 { _mm256_set_m128i(row(TILE), row(0)) } else { _mm256_broadcastsi128_si256(row(r)) };
-                    let both = if FULL { both } else { _mm256_and_si256(masks[r], both) };
-                    total = _mm256_add_epi32(total, _mm256_sad_epu8(both, pixels[r]));
-                }
-                let halves = lane_sums::<false>(total);
-                sums[j * columns + i] += _mm256_extract_epi32::<0>(halves) as u32;
-                if let Some(below) = sums.get_mut((j + 1) * columns + i) {
-                    *below += _mm256_extract_epi32::<4>(halves) as u32;
-                }
+            let start = (j + tile.y) * area.stride + tile.x + i;
+            // SAFETY: `check` has seen that all rows and bytes that are read lie inside the area.
+            let row = |r: usize| unsafe { _mm_loadu_si128(area.pixels.as_ptr().add(start + r * area.stride).cast()) };
+            let mut total = _mm256_setzero_si256();
+            for r in 0..TILE {
+                let both =
+                    if r == 0 { _mm256_set_m128i(row(TILE), row(0)) } else { _mm256_broadcastsi128_si256(row(r)) };
+                let both = if FULL { both } else { _mm256_and_si256(masks[r], both) };
+                total = _mm256_add_epi32(total, _mm256_sad_epu8(both, pixels[r]));
+            }
+            let halves = lane_sums::<false>(total);
+            sums[j * columns + i] += _mm256_extract_epi32::<0>(halves) as u32;
+            if let Some(below) = sums.get_mut((j + 1) * columns + i) {
+                *below += _mm256_extract_epi32::<4>(halves) as u32;
             }
         }
     }
