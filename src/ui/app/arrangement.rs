@@ -6,7 +6,7 @@ use motionscope_core::scene::Step;
 
 use super::{App, Region};
 use crate::paint::Theme;
-use crate::ui::layout::{self, Arrangement, LessonPage, Mode, Pictures, Room};
+use crate::ui::layout::{Arrangement, LessonPage, Mode, Pictures, Room};
 use crate::ui::panes::{States, question};
 use crate::ui::stage;
 use crate::view::panes::{Pane, charts};
@@ -50,12 +50,10 @@ impl App {
     pub(super) fn measure(&mut self, ctx: &egui::Context) {
         let type_pt = self.settings.look.theme.sizes().body;
         let window = ctx.content_rect().size();
-        let is_lecture = self.settings.lecture
-            || self.presentation.is_on
-            || self.settings.look.theme == crate::paint::Theme::Projector;
-        self.settings.mode =
-            Some(if self.presentation.is_on { Mode::Presenting } else { Mode::of(window, type_pt, is_lecture) });
-        self.settings.is_narrow = !self.room(egui::Rect::NOTHING, window).has_docked_parameters();
+        let is_lecture = self.settings.lecture || self.settings.look.theme == Theme::Projector;
+        let mode = if self.presentation.is_on { Mode::Presenting } else { Mode::of(window, type_pt, is_lecture) };
+        self.settings.mode = Some(mode);
+        self.settings.is_narrow = !self.room(Rect::NOTHING, window).has_docked_parameters();
     }
 
     /// The step that is explained, and the charts of its estimator.
@@ -89,7 +87,7 @@ impl App {
     }
 
     /// The room between header and transport, for panes of what is shown.
-    pub(super) fn room(&self, body: egui::Rect, window: egui::Vec2) -> Room {
+    pub(super) fn room(&self, body: Rect, window: egui::Vec2) -> Room {
         let mode = self.mode();
         let folded = self.settings.folded();
         let is_brief = mode.is_lecture() && folded.explanation;
@@ -119,7 +117,7 @@ impl App {
     pub(super) fn lecture(&mut self) {
         self.settings.lecture = !self.settings.lecture;
         let is_projector = self.settings.look.theme == Theme::Projector;
-        if self.settings.lecture && self.settings.mode.is_some_and(layout::Mode::is_lecture) {
+        if self.settings.lecture && self.settings.mode.is_some_and(Mode::is_lecture) {
             let why = if is_projector { "The projector theme" } else { "A window of this size" };
             self.toasts.hint(format!("{why} has the lecture layout already."));
         }
