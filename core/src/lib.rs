@@ -2,7 +2,7 @@
 //!
 //! # Layers
 //!
-//! Each module uses only the ones before it: [`base`], [`geometry`], [`params`], [`data`], [`synth`], [`scene`],
+//! Each module uses only the ones before it: [`base`], [`geometry`], [`mod@params`], [`data`], [`synth`], [`scene`],
 //! [`products`], [`run`], [`methods`], [`families`], [`course`]. The [`prelude`] has what most programs need.
 
 pub mod base;

@@ -20,6 +20,7 @@ pub use histogram::{Counted, Histogram};
 pub(crate) use interpolation::Between;
 pub use interpolation::Interpolation;
 pub use mask::{Mask, PackedMask};
+pub use morphology::MAX_RADIUS_PX;
 pub use pose::Pose;
 pub(crate) use scene_flow::mahalanobis_squared;
 pub use scene_flow::{Measured, Sigma, SpaceMotion};

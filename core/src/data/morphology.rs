@@ -3,7 +3,7 @@
 use super::Mask;
 
 /// The maximum radius of the structuring element in px.
-pub(crate) const MAX_RADIUS_PX: usize = 30;
+pub const MAX_RADIUS_PX: usize = 30;
 
 impl Mask {
     /// Dilation with a square of (2 `radius_px` + 1)² px.

@@ -63,7 +63,7 @@ impl MatchStatus {
 }
 
 /// Largest error of a right match in px.
-pub(crate) const RIGHT_WITHIN_PX: f32 = 3.0;
+pub const RIGHT_WITHIN_PX: f32 = 3.0;
 
 /// Matches with known true displacement.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -23,7 +23,7 @@ pub struct FlowError {
 }
 
 /// Thresholds of the endpoint error in px: R0.5, R1.0 and R2.0 of the Middlebury benchmark.
-pub(crate) const LIMITS_PX: [f64; 3] = [0.5, 1.0, 2.0];
+pub const LIMITS_PX: [f64; 3] = [0.5, 1.0, 2.0];
 
 fn check_sizes(flow: &Flow, truth: &Flow) -> Result<(), Error> {
     if flow.0.size() != truth.0.size() {

@@ -47,7 +47,7 @@ pub use epipolar::EpipolarField;
 pub use flow_error::EPE;
 pub use keypoints::{Descriptor, Feature, Keypoint, PointField, Status};
 pub use mask::MaskField;
-pub use matches::{Match, MatchErrors, MatchField, MatchStatus};
+pub use matches::{Match, MatchErrors, MatchField, MatchStatus, RIGHT_WITHIN_PX};
 pub use metrics::FlowError;
 pub use model::{Model, ModelField, Support};
 pub use objects::{Followed, Object, ObjectField, ObjectFrame, TrackStatus, Watched};

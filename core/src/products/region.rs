@@ -131,7 +131,7 @@ pub struct RegionScores {
 }
 
 /// The largest centre error of a precise frame, in px.
-pub(crate) const NEAR_PX: f64 = 20.0;
+pub const NEAR_PX: f64 = 20.0;
 /// Steps of the overlap threshold of the success curve from 0 to 1.
 const STEPS: usize = 20;
 

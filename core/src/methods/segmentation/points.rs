@@ -3,7 +3,7 @@
 use crate::base::{Threads, effort, wide::wide};
 
 /// The largest number of coordinates.
-pub(crate) const MOST_DIMENSIONS: usize = 6;
+pub const MOST_DIMENSIONS: usize = 6;
 /// Points that are gone through at once: a fixed number, so that sums have one order on any number of threads.
 const CHUNK: usize = 1024;
 
