@@ -328,6 +328,19 @@ fn a_gate_is_decided_by_the_reader() {
 }
 
 #[test]
+fn the_words_of_a_page_do_not_tell_a_decision() {
+    let prepared = sample_of("kalman-filter");
+    let cursor: Cursor = "4.3".parse().expect("a cursor");
+    let look = Look { theme: THEME, ..Look::default() };
+    let stand = Stand { prepared: &prepared, cursor, pixel: None, look, freehand: Freehand::default() };
+    let parts = ["Gates reject outliers.", "This one was accepted.", "The gate is 9.21 here."];
+    let prose = Prose(parts.map(|part| said(part.into())).to_vec());
+    let about = About { title: "", prose: Some(&prose), answers: false };
+    let shown = text_of_sheets(&about.sheets(&stand, None).expect("a decision"));
+    assert!(shown.contains(parts[0]) && !shown.contains(parts[1]) && !shown.contains(parts[2]), "{shown}");
+}
+
+#[test]
 fn a_question_whose_answer_is_always_the_same_in_the_first_unit_is_not_asked_there() {
     let estimator = motionscope_core::course::estimator("chan-vese").expect("an estimator");
     let prepared = sample(&*estimator);
