@@ -294,7 +294,7 @@ impl Value {
             (_, Unit { name: "", .. }) => bare,
             (Number::Real(1.0), Unit { name, decimals: Decimals::Count }) => format!("1 {name}"),
             (Number::Real(_), Unit { name, decimals: Decimals::Count }) => format!("{bare} {}", plural(name)),
-            (_, Unit { name: "°", .. }) => bare + "°",
+            (_, Unit { name, .. }) if name.starts_with('°') => bare + name,
             (_, Unit { name, .. }) => bare + " " + name,
         }
     }
