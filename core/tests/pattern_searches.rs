@@ -490,7 +490,7 @@ fn every_decision_says_why() {
     has(
         "predictive",
         &range,
-        "Neighbours: left (7, 0), above (2, 7), above right (−7, 7). The median predictor is (2, 7).",
+        "Neighbours: left (7, 0), above (2, 7) and above right (−7, 7). The median predictor is (2, 7).",
     );
     let fixed = explained("predictive", &range, &pit(0, (2, 0)), 0);
     let expected = "SAD 4096 exceeds 640, a poor match: no predictor is near the motion, which differs from that of the neighbours or \

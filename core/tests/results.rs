@@ -2,10 +2,11 @@
 
 use motionscope_core::base::Threads;
 use motionscope_core::course::{estimator, estimators};
-use motionscope_core::data::Clip;
+use motionscope_core::data::{Clip, Detection, PackedMask};
 use motionscope_core::params::Params;
 use motionscope_core::products::{
-    AnyProduct, Cell, Descriptor, EpipolarField, MaskField, PathField, PointField, SegmentField, Table,
+    AnyProduct, Cell, Descriptor, EpipolarField, MaskField, ObjectField, ObjectFrame, PathField, PointField,
+    SegmentField, Table,
 };
 use motionscope_core::run::AnyEstimator;
 use motionscope_core::synth;
@@ -42,18 +43,27 @@ impl Fingerprint {
         }
     }
 
-    /// What no table has: masks, labels, descriptors, matrices.
-    fn beyond_tables(&mut self, product: &dyn AnyProduct) {
-        let product = product.as_any();
-        if let Some(field) = product.downcast_ref::<MaskField>() {
-            for (frame, mask) in field.masks() {
-                self.bytes(&frame.to_le_bytes());
-                let mask = mask.unpacked();
+    fn frames<'a>(&mut self, frames: impl IntoIterator<Item = &'a ObjectFrame>) {
+        for ObjectFrame { mask, detections, .. } in frames {
+            for mask in mask.iter().map(PackedMask::unpacked) {
                 let (width, height) = mask.size();
                 let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
                 let bits: Vec<_> = pixels.map(|(x, y)| u8::from(mask.get(x, y))).collect();
                 self.bytes(&bits);
             }
+            for Detection { bounds, center, score, .. } in detections {
+                self.singles([bounds.min, bounds.max, *center].as_flattened().iter().chain([score]));
+            }
+        }
+    }
+
+    /// Candidates, masks, detections, labels, descriptors and matrices, which no table has.
+    fn beyond_tables(&mut self, product: &dyn AnyProduct) {
+        let product = product.as_any();
+        if let Some(field) = product.downcast_ref::<MaskField>() {
+            self.frames(field.frames.iter().map(AsRef::as_ref));
+        } else if let Some(field) = product.downcast_ref::<ObjectField>() {
+            self.frames(field.frames.iter().map(AsRef::as_ref));
         } else if let Some(field) = product.downcast_ref::<SegmentField>() {
             for label in field.frames.iter().flat_map(|frame| frame.labels.cells()) {
                 self.bytes(&label.to_le_bytes());
@@ -72,11 +82,17 @@ impl Fingerprint {
         }
     }
 
+    /// That of nothing.
+    const EMPTY: u64 = 0xcbf2_9ce4_8422_2325;
+
     fn of(product: &dyn AnyProduct) -> Self {
-        let mut all = Self(0xcbf2_9ce4_8422_2325);
+        let mut all = Self(Self::EMPTY);
         product.table().iter().for_each(|table| all.table(table));
         product.flow().iter().for_each(|flow| all.singles(flow.0.cells().iter().flatten()));
         product.confidence().iter().for_each(|confidence| all.singles(confidence.values.cells()));
+        for tested in product.tested().iter().flatten().flatten() {
+            all.bytes(&tested.candidates.to_le_bytes());
+        }
         all.beyond_tables(product);
         all
     }
@@ -91,10 +107,12 @@ fn clip(scene: &str) -> Clip {
 fn lines_of(estimator: &dyn AnyEstimator, (name, clip): (&str, &Clip)) -> String {
     let output = estimator.run(clip, 1, &Threads::new(2).expect("sound")).expect("a run");
     let line = |product: &dyn AnyProduct| {
+        // A product without any value holds nothing: a scene flow needs a second camera.
         let Fingerprint(hash) = Fingerprint::of(product);
-        format!("{name} {} {} {hash:016x}\n", estimator.info().id, product.kind().id)
+        (hash != Fingerprint::EMPTY)
+            .then(|| format!("{name} {} {} {hash:016x}\n", estimator.info().id, product.kind().id))
     };
-    output.products().map(line).collect()
+    output.products().filter_map(line).collect()
 }
 
 /// The standard library's functions differ in their last digits from system to system.

@@ -112,7 +112,11 @@ impl Lazy {
     }
 
     fn refuse(&self, index: usize, why: &str) -> Error {
-        let rest = if index > 0 { "; frames before the damage can be used" } else { "" };
+        let rest = match index {
+            _ if !self.files.is_empty() => "; the other pictures can be used",
+            0 => "",
+            _ => "; frames before the damage can be used",
+        };
         Error::new(format!("frame {index} of {} cannot be shown: {why}{rest}", self.name))
     }
 }

@@ -50,6 +50,11 @@ pub(crate) struct Found<C> {
 }
 
 impl<C: Companion> Found<C> {
+    /// The companion, before it is read.
+    pub(crate) fn companion(&self) -> &C {
+        &self.companion
+    }
+
     /// The given companion, or else the one beside the clip.
     pub(crate) fn find(left: &LeftView<'_>, given: &Given) -> Option<Self> {
         Self::given(left, given).or_else(|| C::beside(left, given).map(|companion| Self { companion, is_given: false }))

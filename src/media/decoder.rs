@@ -13,8 +13,8 @@ pub(crate) trait Decoder: Send {
     /// Decodes frame `index` and gives `keep` every frame that is met on the way, by number; the wanted one comes last.
     ///
     /// Going on from the frame decoded last must be cheap where the format allows. After an error or a panic the next
-    /// call starts afresh. Whoever decodes more than one frame on the way looks at `stop` before each, and tells it how far
-    /// it is.
+    /// call starts afresh. A decoder that passes several frames on the way checks `stop` before each, and reports its
+    /// progress there.
     ///
     /// # Errors
     /// One sentence, without the file's name, if there is no such frame, it is damaged, or `stop` is set.

@@ -104,7 +104,7 @@ fn with_companions(path: &Path, source: Source, options: &Open) -> Result<Opened
     let files = Arc::clone(&source.files);
     let left = &LeftView { path, files: &files, size: (source.info.width, source.info.height) };
     let right = Found::<SecondView>::find(left, &options.given);
-    let views = if right.is_some() { 2 } else { 1 };
+    let views = if right.as_ref().is_some_and(|right| right.companion().is_complete()) { 2 } else { 1 };
     // Both views are shown alike, or the same point would have two brightnesses.
     let given = Given { contrast: source.contrast.or(options.given.contrast), ..options.given.clone() };
     let options = &Open { cache_bytes: options.cache_bytes / views, given, ..options.clone() };

@@ -291,7 +291,9 @@ impl Stills {
             return picture.frame(contrast);
         }
         if self.fit == Fit::Exact {
-            return Err(Error::new(format!("it is {w}×{h} px, but the first picture is {width}×{height} px")));
+            return Err(Error::new(format!(
+                "it is {w}×{h} px, not {width}×{height} px as the first picture: scale it to that size"
+            )));
         }
         self.fit.apply(&picture.frame(contrast)?, self.size)
     }

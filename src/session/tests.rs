@@ -431,7 +431,7 @@ fn those_beside_it_keep_the_parameters_of_their_stages() {
 }
 
 #[test]
-fn an_old_session_opens_unchanged() {
+fn a_session_written_by_hand_opens_as_it_says() {
     let text = "motionscope = 1\nclip = \"a.mp4\"\ntruth = \"t.flo\"\nestimator = \"full-search\"\nframe = 3\nstep = \"30.2\"\n\
                 [set]\nblock-size = 8\n[picture]\nview = \"blend\"\nlevel = \"at-work\"\nblend = 0.8\ntheme = \"light\"\n\
                 colors = \"turbo\"\nlayer = \"error\"\nlayer-opacity = 0.5\narrows = 2.5\narrow-spacing = 16\nstreaks = 0.25\n\

@@ -49,6 +49,25 @@ fn a_question_names_the_unit_that_it_is_about() {
 }
 
 #[test]
+fn a_question_about_the_gate_tells_what_it_is_decided_from() {
+    let mut window = asking("kalman-filter", "9.0", "synth:traffic");
+    let is_about_gate = |window: &Window| question(window).is_some_and(|question| !question.given.is_empty());
+    for _ in 0..40 {
+        if !is_about_gate(&window) {
+            window.key(Key::ArrowRight);
+        }
+    }
+    assert!(is_about_gate(&window), "the filter asks about its gate");
+    let given = window.app().predict().open().expect("one is open").given();
+    assert_eq!(given.len(), 3, "innovation, its covariance and the gate");
+    for fact in given {
+        let told = format!("{}: {}", fact.label, fact.value);
+        assert!(window.harness.query_by_label_contains(&told).is_some(), "{told}");
+    }
+    assert_eq!(told(&window), 0, "everything else is hidden");
+}
+
+#[test]
 fn a_question_of_a_frame_names_its_number_in_the_clip() {
     let mut window = asking("kalman-filter", "9.0", "synth:traffic");
     for _ in 0..20 {

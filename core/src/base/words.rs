@@ -24,11 +24,13 @@ pub fn rounded(v: f64, decimals: usize) -> f64 {
     format!("{v:.decimals$}").parse().unwrap_or(v)
 }
 
+/// The most further digits with which the numbers of a formula are written.
+pub(crate) const MOST_FURTHER_DIGITS: usize = 4;
+
 /// The fewest further digits with which a formula, computed from its numbers as they are written, gives its result as it is written:
 /// `54.28 + 7.16 = 61.45` becomes `54.283 + 7.163 = 61.45`. `is_true` says whether it does with so many.
 pub(crate) fn further_digits(is_true: impl FnMut(&usize) -> bool) -> usize {
-    const MOST: usize = 4;
-    (0..MOST).find(is_true).unwrap_or(MOST)
+    (0..MOST_FURTHER_DIGITS).find(is_true).unwrap_or(MOST_FURTHER_DIGITS)
 }
 
 /// The further digits with which the terms of a sum, written with this many decimals, give the sum as it is written.

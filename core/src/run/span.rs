@@ -20,7 +20,8 @@ pub struct Span {
 impl Span {
     /// At most `count` frames from `first` on, fewer if the clip ends.
     ///
-    /// # Errors If there is no pair of frames there: motion needs a second frame.
+    /// # Errors
+    /// If there is no pair of frames there: motion needs a second frame.
     pub fn new(clip: &Clip, first: usize, count: usize) -> Result<Self, Error> {
         clip.pair(first)?;
         let frames = clip.info().frames;

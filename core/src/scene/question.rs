@@ -174,10 +174,9 @@ impl Question {
         Self { given: values, ..self }
     }
 
-    /// The step `before`, with the values of the step `after` it that the question takes for granted.
-    pub fn step_before(&self, before: &Step, after: &Step) -> Step {
-        let values = self.given.iter().filter_map(|of| after.value(of)).cloned();
-        values.fold(before.clone(), Step::fact_of)
+    /// The values of the step that answers it which are told with the question.
+    pub fn given_by<'a>(&self, answer: &'a Step) -> impl Iterator<Item = &'a Value> {
+        self.given.iter().filter_map(|of| answer.value(of))
     }
 
     /// The unit of the number that is asked for, of a count what is counted; empty if it has none, or no number is asked for.

@@ -37,8 +37,14 @@ pub fn sentences<R: Borrow<Row>>(rows: &[R]) -> Vec<String> {
     let Some(of) = rows.get(reference(rows)).map(Borrow::borrow) else { return Vec::new() };
     let others = rows.iter().map(Borrow::borrow).filter(|row: &&Row| !std::ptr::eq(*row, of));
     let name = |row: &Row| row.estimator.info().name;
-    let tells = |row: &&Row| against(row, of) != against(of, of);
-    others.filter(tells).map(|row| format!("{} compared with {}: {}.", name(row), name(of), against(row, of))).collect()
+    let alike = against(of, of);
+    let told = others.map(|row| (row, against(row, of))).filter(|(_, told)| *told != alike);
+    let sentences: Vec<_> =
+        told.map(|(row, told)| format!("{} compared with {}: {told}.", name(row), name(of))).collect();
+    match sentences.is_empty() && rows.len() > 1 {
+        true => vec!["No difference between these runs.".to_owned()],
+        false => sentences,
+    }
 }
 
 /// The cost: candidates where both have tested some, or else the time.

@@ -36,6 +36,13 @@ pub(crate) enum SecondView {
     Beside(find::Right),
 }
 
+impl SecondView {
+    /// Whether there is a picture for each of the left view, as far as that is known before it is read.
+    pub(crate) fn is_complete(&self) -> bool {
+        !matches!(self, Self::Beside(find::Right { incomplete: Some(_), .. }))
+    }
+}
+
 impl Companion for SecondView {
     const KIND: InputKind = InputKind::RightView;
     const IGNORED: &'static str = "the right view beside the clip is ignored";

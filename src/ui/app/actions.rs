@@ -1,4 +1,4 @@
-//! What actions do.
+//! Executes the actions that panes and dialogs ask for.
 
 use motionscope_core::run::Move;
 

@@ -11,7 +11,7 @@ use crate::ui::panes::{States, question};
 use crate::ui::stage;
 use crate::view::panes::{Pane, charts};
 
-/// What the panes remember from frame to frame, and where they lay in the last one.
+/// The state of the panes, and where they lay in the last frame.
 #[derive(Default)]
 pub(super) struct PaneMemory {
     pub states: States,

@@ -1,4 +1,4 @@
-//! What commands do.
+//! Executes commands.
 
 use eframe::egui::ViewportCommand;
 use motionscope_core::run::{Cursor, Direction, Move, stage};

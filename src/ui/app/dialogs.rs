@@ -1,4 +1,4 @@
-//! What lies over the panes: which dialog is open, and drawing it.
+//! The open dialog over the panes.
 
 use eframe::egui;
 
@@ -11,7 +11,7 @@ use crate::ui::dialogs::{
 use crate::ui::model::previews::Previews;
 use crate::ui::panes::start;
 
-/// What lies over the panes.
+/// The open dialog, and the state of each.
 #[derive(Default)]
 pub(super) enum Overlay {
     /// Nothing.
@@ -43,7 +43,7 @@ pub(super) enum Overlay {
     About,
 }
 
-/// What lies over the panes, or instead of them.
+/// A dialog over the panes, or a page instead of them.
 #[derive(Default)]
 pub(super) struct Dialogs {
     pub overlay: Overlay,

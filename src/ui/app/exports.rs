@@ -21,7 +21,7 @@ use crate::ui::model::snapshot::Snapshot;
 use crate::ui::model::writer::{self, Work, Writing};
 use crate::ui::stage::{Lens, Zoom};
 
-/// What is being written.
+/// The running export, and the folder of the last one.
 #[derive(Default)]
 pub(super) struct Exports {
     /// The file that is being written on another thread.
@@ -36,7 +36,7 @@ impl Exports {
         self.writing.as_ref().map(|writing| writing.work.fraction())
     }
 
-    /// Gives up what is being written.
+    /// Cancels the export.
     pub fn cancel(&self) {
         self.writing.iter().for_each(|writing| writing.work.cancel());
     }
@@ -54,7 +54,7 @@ impl Exports {
 }
 
 impl App {
-    /// Says what became of a file, once it is written.
+    /// Reports the outcome of the export, once it is done.
     pub(super) fn receive_written(&mut self) {
         match self.exports.written() {
             None => {}

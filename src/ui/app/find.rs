@@ -1,4 +1,4 @@
-//! What the search has found, opened in the window.
+//! Opens a result of the search in the window.
 
 use motionscope_core::course::estimator;
 

@@ -45,7 +45,7 @@ impl Held {
 enum Escape {
     /// Leaves the start page.
     StartPage,
-    /// Gives up a move or a check that takes long.
+    /// Cancels a long move or check.
     Stop,
     /// No longer places anything on the picture.
     Placing,

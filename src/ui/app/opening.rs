@@ -25,7 +25,7 @@ use crate::ui::model::document::Document;
 use crate::ui::model::loader::{Beside, Loading, Opened};
 use crate::ui::model::snapshot::Place;
 
-/// What is being opened, and what came of it.
+/// The clip that is being opened, and the outcome.
 #[derive(Default)]
 pub(super) struct Opening {
     /// The clip or session that is being opened on another thread.
@@ -44,7 +44,7 @@ impl Opening {
         self.error.is_some() && self.asked.is_some()
     }
 
-    /// Takes what was being opened, once the other thread is done with it.
+    /// The opened clip, once the other thread is done with it.
     pub fn loaded(&mut self) -> Option<(Result<Opened, Error>, Loading)> {
         let outcome = self.loading.as_ref()?.work.take()?;
         Some((outcome, self.loading.take()?))
@@ -69,7 +69,7 @@ impl Opening {
 }
 
 impl App {
-    /// Takes what was being opened, once the other thread is done with it.
+    /// The opened clip, once the other thread is done with it.
     pub(super) fn receive_opened(&mut self) {
         let Some((outcome, loading)) = self.opening.loaded() else { return };
         match outcome {

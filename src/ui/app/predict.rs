@@ -18,7 +18,8 @@ impl App {
     pub(super) fn asking(&self) -> Option<Asking> {
         let is_open = self.run.predict.open().is_some();
         // The page of a lesson says itself that it asks.
-        let is_told = self.run.predict.is_of_page() && self.run.predict.last().is_none();
+        let page_asks = self.course.lesson.as_ref().is_some_and(|open| open.page().predicts);
+        let is_told = page_asks && self.run.predict.last().is_none();
         let is_there = self.run.predict.is_on() && !is_told;
         is_there.then(|| Asking { height: self.panes.question.needed() + 2.0 * MARGIN, is_open })
     }
@@ -27,7 +28,7 @@ impl App {
     pub(super) fn question_pane(&mut self, ui: &mut Ui, rect: Rect, actions: &mut Actions) {
         let theme = self.settings.look.theme;
         let is_lockstep = !self.run.document.side_by_side().is_empty();
-        let is_held = self.run.view.shown.as_deref().is_some_and(|shown| shown.pointed.is_some());
+        let is_held = self.run.view.shown.as_deref().is_some_and(|shown| shown.held().is_some());
         let input = question::Input { predict: &self.run.predict, is_lockstep, is_held, theme };
         ui.painter().rect_filled(rect, 0.0, style::color(theme.chrome().raised));
         let inside = UiBuilder::new().id_salt("question").max_rect(rect.shrink2(vec2(12.0, MARGIN)));

@@ -38,7 +38,7 @@ const LATER: Duration = Duration::from_millis(50);
 /// Initial size of the presenter's window.
 const WINDOW: [f32; 2] = [760.0, 640.0];
 
-/// What a run is presented with.
+/// The tools of a lecture: pen, magnifying glass, presenter window.
 #[derive(Default)]
 pub struct Presentation {
     /// The pen, and what was drawn with it.

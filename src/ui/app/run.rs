@@ -118,7 +118,7 @@ impl Run {
         is_new
     }
 
-    /// Takes what the walker has come to.
+    /// Receives the latest snapshot of the walker.
     pub fn receive(&mut self) {
         self.walker.tend();
         self.view = self.walker.view();
@@ -140,7 +140,7 @@ impl Run {
 }
 
 impl App {
-    /// Takes what the run has come to, and holds it back where it is asked about.
+    /// Receives the latest snapshot of the run, and holds it back while a question about it is open.
     pub(super) fn receive_run(&mut self) {
         self.run.receive();
         if self.run.hold_back(self.opening.loading.is_some()) {
@@ -187,7 +187,7 @@ impl App {
         }
     }
 
-    /// Takes what a session sets, on the clip that is open.
+    /// Applies the settings of a session to the clip that is open.
     pub(super) fn take(&mut self, session: Session) {
         let Session { experiment, position, look, sight, freehand } = session;
         let frame = experiment.frame;

@@ -1,4 +1,4 @@
-//! What is the case in the window, as far as commands care.
+//! Works out the state of the window that decides which commands are enabled.
 
 use motionscope_core::run::Direction;
 

@@ -168,6 +168,9 @@ mod tests {
         names.dedup();
         assert_eq!(names.len(), Command::ALL.len());
         assert!(Command::ALL.iter().all(|c| c.tip(&granularities).ends_with('.')));
+        let is_blank = |entry: &Entry| entry.text.is_empty() || matches!(entry.icon, Icon::Dot);
+        let blank: Vec<_> = Command::ALL.iter().filter(|command| is_blank(&command.entry())).collect();
+        assert!(blank.is_empty(), "an entry of the table without text or icon: {blank:?}");
     }
 
     #[test]

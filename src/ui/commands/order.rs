@@ -1,4 +1,4 @@
-//! What is to be saved, where, and how it looks.
+//! An order to save a file: its content, its place and its look.
 
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ use crate::view::steps::{Range, STEP};
 /// The beginning of the names of a clip's frames.
 pub const CLIP_FRAME: &str = "frame_";
 
-/// What to write.
+/// The content of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OutputKind {
     /// The step that is shown.
@@ -60,7 +60,7 @@ impl ClipFormat {
     }
 }
 
-/// What to write, where, and how it looks.
+/// An order to save a file: its content, its place and its look.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Order {
     /// What.

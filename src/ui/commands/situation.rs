@@ -1,9 +1,9 @@
-//! What is the case in the window, as far as commands care.
+//! The state of the window that decides which commands are enabled.
 
 use crate::view::look::Look;
 use crate::view::motion::AvailableLayers;
 
-/// What is the case just now, as far as commands care.
+/// The state of the window that decides which commands are enabled.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Situation {
     /// A clip is open.

@@ -543,7 +543,9 @@ commands! {
     IntoStage: Entry {
         icon: Icon::LogIn, text: "Open the stage", keys: &[key(Key::I)],
         tip: "Step through the estimator that this one uses as a stage, on the same frame.",
-        enabled: |now| now.has_run && now.has_stage && !now.in_lockstep, ..WALK
+        enabled: |now| now.has_run && now.has_stage && !now.in_lockstep,
+        why_not: |now| (now.has_stage && now.in_lockstep).then_some("A stage belongs to one estimator. Leave the lockstep first."),
+        ..WALK
     },
     OutOfStage: Entry {
         icon: Icon::LogOut, text: "Close the stage", keys: &[shift(Key::I)],

@@ -9,7 +9,7 @@ mod score;
 use std::sync::Arc;
 
 use motionscope_core::run::Cursor;
-use motionscope_core::scene::{Answer, Asked, Focus, Question, Shown, asked};
+use motionscope_core::scene::{Answer, Asked, Fact, Focus, Question, Shown, Step, asked};
 
 pub use answers::{ARROWS, DIRECTIONS, Guesses, SAME_PLACE, Verdict};
 pub use score::Score;
@@ -85,6 +85,12 @@ impl Open {
         &self.after
     }
 
+    /// Returns the values without which the question cannot be answered.
+    pub fn given(&self) -> Vec<Fact> {
+        let known = self.question.given_by(&self.after.step).cloned();
+        known.fold(Step::at(self.after.step.line), Step::fact_of).facts().to_vec()
+    }
+
     /// Returns the unit of the number that is asked for; empty if none is.
     pub fn unit(&self) -> String {
         self.question.unit()
@@ -139,11 +145,6 @@ impl Predict {
             self.turn(asks);
             self.is_of_page = asks;
         }
-    }
-
-    /// Whether a page of a lesson has turned them on, which says itself that it asks.
-    pub fn is_of_page(&self) -> bool {
-        self.is_of_page
     }
 
     /// Notes that a step forward was asked for.

@@ -264,9 +264,17 @@ fn define_value(ui: &mut Ui, of: &Variable) {
     let name = if of.label.is_empty() { capital(&of.name.replace('-', " ")) } else { of.label.to_owned() };
     let symbol = latex::parse(of.symbol).map(|symbol| symbol.plain()).unwrap_or_default();
     // A label that has the symbol, as Eigenvalue λ₁, is enough.
-    let symbol = if raised(&name).contains(&raised(&symbol)) { String::new() } else { symbol };
+    let symbol = if has_word(&raised(&name), &raised(&symbol)) { String::new() } else { symbol };
     ui.label(ink::scripted(ui, format!("{name}  {symbol}").trim_end(), |words| words.family(style::bold()).strong()));
     ui.label(ink::scripted(ui, of.definition.trim(), |words| words));
+}
+
+/// Whether `text` has `word`, and not only as a part of a longer word.
+fn has_word(text: &str, word: &str) -> bool {
+    text.match_indices(word).any(|(at, _)| {
+        let around = [text[..at].chars().next_back(), text[at + word.len()..].chars().next()];
+        around.into_iter().flatten().all(|letter| !letter.is_alphanumeric())
+    })
 }
 
 /// A text with its indices on the line.
@@ -303,6 +311,12 @@ mod tests {
             Meaning::Marks(role) => panic!("marks of {role:?}"),
         };
         links.iter().map(name).collect()
+    }
+
+    #[test]
+    fn a_symbol_is_left_out_where_the_label_has_it_as_a_word() {
+        assert!(has_word("Eigenvalue λ1", "λ1") && has_word("K along x", "K"));
+        assert!(!has_word("Cost", "C") && !has_word("Background", "B") && !has_word("Threshold", "T"));
     }
 
     #[test]

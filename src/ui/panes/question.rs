@@ -7,7 +7,7 @@ use motionscope_core::run::Cursor;
 
 use crate::paint::Theme;
 use crate::ui::commands::{Action, Actions, Command};
-use crate::ui::drawing::style;
+use crate::ui::drawing::{ink, style};
 use crate::ui::model::predict::{ARROWS, DIRECTIONS, Open, Predict, SAME_PLACE, asks_for_number, asks_for_place};
 use crate::ui::panes::status;
 use crate::ui::parts::widgets;
@@ -53,6 +53,10 @@ pub fn show(ui: &mut Ui, input: &Input<'_>, state: &mut State, actions: &mut Act
         });
         match (predict.open(), predict.last()) {
             (Some(open), _) => {
+                for fact in open.given() {
+                    let words = format!("{}: {}", fact.label, fact.value);
+                    ui.add(egui::Label::new(ink::scripted(ui, &words, |words| words)).wrap());
+                }
                 let is_new = state.is_for(open);
                 ui.horizontal_wrapped(|ui| ways(ui, open, (theme, state, is_new), actions));
                 if asks_for_place(open.question) {

@@ -8,14 +8,13 @@ use lucide_icons::Icon;
 use super::widgets;
 use crate::ui::commands::{Action, Actions};
 
-/// Clips that were open lately; gives whether one was chosen.
-pub fn recents(ui: &mut Ui, recent: &[PathBuf], actions: &mut Actions) -> bool {
+/// Shows a button for each clip that was open lately.
+pub fn recents(ui: &mut Ui, recent: &[PathBuf], actions: &mut Actions) {
     let chosen = chosen_of(ui, recent);
     chosen.iter().for_each(|path| actions.ask(Action::Open(path.into())));
-    chosen.is_some()
 }
 
-/// That of the clips which was chosen.
+/// Shows a button for each clip; returns the clicked one.
 pub fn chosen_of(ui: &mut Ui, recent: &[PathBuf]) -> Option<PathBuf> {
     let row = |ui: &mut Ui, path: &PathBuf| {
         let text = widgets::elide(&path.display().to_string(), 64);

@@ -13,7 +13,9 @@ mod template_matching;
 
 pub use crate::methods::camera_path::Blending;
 pub use crate::methods::correlation::Score;
+pub use crate::methods::geometric::ransac::Scoring;
 pub use crate::methods::geometric::robust::Robust;
+pub use crate::methods::matching::{DescriptorKind, PatchCost, Settings};
 pub use epipolar_geometry::{EpipolarGeometry, Sampling};
 pub use feature_matching::FeatureMatching;
 pub use feature_tracker::FeatureTracker;

@@ -79,9 +79,13 @@ impl Measure for Harris {
         [xx * yy - xy * xy, xx + yy]
     }
 
-    fn formulas(&self, step: Step, tensor: [f32; 3]) -> Step {
+    fn unit_of_parts(&self, tensor: [f32; 3]) -> Unit {
         let (parts, k) = (self.parts(tensor.map(f64::from)).map(|part| part as f32), f64::from(self.k));
-        let unit = unit_of_parts(parts, self.response(tensor), |[det, trace]| det - k * trace * trace);
+        unit_of_parts(parts, self.response(tensor), |[det, trace]| det - k * trace * trace)
+    }
+
+    fn formulas(&self, step: Step, tensor: [f32; 3]) -> Step {
+        let (parts, unit) = (self.parts(tensor.map(f64::from)), self.unit_of_parts(tensor));
         let [determinant, trace] = [value::DETERMINANT, value::TRACE];
         let step = step.put(value::HARRIS_CONSTANT, self.k).put_value(determinant.is(parts[0]).in_unit(unit));
         let step = step.put_value(trace.is(parts[1]).in_unit(unit));

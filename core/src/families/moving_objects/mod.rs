@@ -1,5 +1,5 @@
 //! Moving objects: from pixels that do not look like the background to blobs. One file per estimator; the shared parts are
-//! in `subtraction` and `objects`.
+//! in `methods/subtraction`.
 
 mod compensated_difference;
 mod connected_components;

@@ -19,7 +19,8 @@ use crate::{choices, params, pseudocode};
 use account::Past;
 use fit::{Equations, Motion, Sought, View, equations, matched, solution};
 use vocabulary::{case, value};
-use wireframe::{Camera, Solid, Wireframe};
+pub use wireframe::Solid;
+use wireframe::{Camera, Wireframe};
 
 choices! {
     /// Pose at which the search of a frame starts.

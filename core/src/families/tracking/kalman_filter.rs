@@ -27,7 +27,8 @@ use crate::scene::{Chart, Question, Reply, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 use restart::Retry;
-use sensors::{Observations, SensorReading, Sensors};
+pub use sensors::Sensors;
+use sensors::{Observations, SensorReading};
 
 choices! {
     /// The probability inside a covariance ellipse.

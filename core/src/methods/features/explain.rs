@@ -29,19 +29,19 @@ pub(super) struct Probe {
 /// The unit of the parts of a formula: that of responses, with the fewest further decimals with which the numbers as they are written
 /// give `result` as it is written.
 pub(crate) fn unit_of_parts<const N: usize>(parts: [f32; N], result: f32, formula: impl Fn([f64; N]) -> f64) -> Unit {
-    const MOST: u8 = 4;
-    let is_true = |unit: &Unit| {
-        let written = parts.map(|part| value::RESPONSE.is(part).in_unit(*unit).rounded().unwrap_or(f64::NAN));
+    let further = further_digits(|further| {
+        let unit = Unit::RESPONSE.finer(*further as u8);
+        let written = parts.map(|part| value::RESPONSE.is(part).in_unit(unit).rounded().unwrap_or(f64::NAN));
         value::RESPONSE.is(formula(written)).bare() == value::RESPONSE.is(result).bare()
-    };
-    let units = (0..MOST).map(|further| Unit::RESPONSE.finer(further));
-    units.into_iter().find(is_true).unwrap_or(Unit::RESPONSE.finer(MOST))
+    });
+    Unit::RESPONSE.finer(further as u8)
 }
 
 /// The unit of the entries of a structure tensor: that of responses, with the fewest further decimals with which the entries as they are
-/// written give the parts of the response to the last digit of a response.
+/// written give the parts of the response as they are written.
 fn unit_of_tensor<M: Measure>(of: &M, tensor: [f32; 3]) -> Unit {
-    let shown = |tensor: [f64; 3]| of.parts(tensor).map(|part| value::RESPONSE.is(part).bare());
+    let unit_of_parts = of.unit_of_parts(tensor);
+    let shown = |tensor: [f64; 3]| of.parts(tensor).map(|part| value::RESPONSE.is(part).in_unit(unit_of_parts).bare());
     let exact = shown(tensor.map(f64::from));
     let further = further_digits(|further| {
         let unit = Unit::RESPONSE.finer(*further as u8);

@@ -7,6 +7,6 @@ mod describe;
 mod nearest;
 mod settings;
 
-pub use describe::Described;
+pub use describe::{Described, DescriptorKind, PatchCost};
 pub use nearest::{Admits, Candidates, Event, Neighbors, Outcome};
 pub use settings::{Pair, Settings};

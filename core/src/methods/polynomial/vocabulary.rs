@@ -19,9 +19,9 @@ variables! { pub mod value;
     /// The prior displacement, rounded to whole px.
     ROUNDED_PRIOR: "", "(m, n)", Unit::new("px", 0);
     /// The coefficients of 1, x, y, x², x y and y² of the polynomial of the pixel in frame t.
-    FIT_1: "", "(c, b_x, b_y, a_{xx}, 2 a_{xy}, a_{yy})", Unit::FINE, Role::Reference;
+    FIT_1: "", "(c, b_x, b_y, a_{xx}, 2 a_{xy}, a_{yy})_1", Unit::FINE, Role::Reference;
     /// The same coefficients of the polynomial at the prior displacement in frame t+1.
-    FIT_2: "", "(c, b_x, b_y, a_{xx}, 2 a_{xy}, a_{yy})", Unit::FINE, Role::Candidate;
+    FIT_2: "", "(c, b_x, b_y, a_{xx}, 2 a_{xy}, a_{yy})_2", Unit::FINE, Role::Candidate;
     /// The linear term of the polynomial of the pixel in frame t: its gradient.
     B_1: "", r"\mathbf{b}_1", GRADIENT_UNIT, Role::Reference;
     /// The linear term of the polynomial at the prior displacement in frame t+1.

@@ -228,6 +228,7 @@ fn of_member(estimator: &dyn AnyEstimator, error: &Error) -> Error {
 fn in_frame_t(focus: Option<Focus>) -> Option<Focus> {
     focus.map(|focus| Focus::current(focus.at))
 }
+
 /// The goal of a move of units with events; unit and event may lie beyond the last.
 fn goal(to: Move, walk: &impl Walk) -> Cursor {
     let (cursor, events) = (walk.cursor(), walk.events());

@@ -76,7 +76,8 @@ impl Params for Chosen {
 
     /// Refuses a parameter that the parent decides.
     fn set(&mut self, name: &str, text: &str) -> Result<(), Error> {
-        if !self.decided.contains(&name) {
+        let is_decided = self.decided.contains(&name) && self.estimator.specs().iter().any(|spec| spec.name == name);
+        if !is_decided {
             return set_by_name(self, name, text);
         }
         Err(Error::new(format!("{name} is set by the parent estimator; set {name} there")))

@@ -222,9 +222,8 @@ pub(super) fn hidden(
     let mut pictures = before.pictures.clone();
     pictures.pair.clone_from(&after.pictures.pair);
     pictures.names.clone_from(&after.pictures.names);
-    let (frame, step) = (after.frame, Arc::new(question.step_before(&before.step, &after.step)));
     Snapshot {
-        moment: Moment { scene: Arc::new(scene), pictures, frame, step, ..before.moment.clone() },
+        moment: Moment { scene: Arc::new(scene), pictures, frame: after.frame, ..before.moment.clone() },
         landmarks: landmarks_of(before),
         ..before.as_ref().clone()
     }

@@ -2,7 +2,7 @@
 
 use super::vocabulary::{case, value};
 use super::{Background, Event, LEAST_PX, MeanShift, SCALE_RATE, Search, Shift};
-use crate::base::words::{fixed, further_digits, rounded};
+use crate::base::words::{MOST_FURTHER_DIGITS, fixed, further_digits, rounded};
 use crate::data::Frame;
 use crate::geometry::Grid;
 use crate::methods::numbers::RATIO_DECIMALS;
@@ -16,8 +16,6 @@ use crate::scene::{Arrow, Number, Picture, PlaneCost, Readout, Role, Scene, Seri
 const COEFFICIENT: &str = r"\rho = \sum_u \sqrt{p_u \, q_u}";
 /// The bins of the model whose terms are written out.
 const TERMS: usize = 3;
-/// Further digits that are exact enough.
-const MOST_DIGITS: usize = 4;
 /// The sizes of a frame in words.
 const SIZES: [&str; 3] = ["present size", "size 10 % smaller", "size 10 % larger"];
 
@@ -166,7 +164,7 @@ fn terms(at: &At<'_, MeanShift>, (frame, shift): (&Frame, &Shift), step: Step) -
         own.iter().zip(&others).map(|(q, p)| (written(q) * written(p)).sqrt()).sum::<f64>()
     };
     let coefficient = f64::from(shift.similarity);
-    let rest = coefficient - sum(RATIO_DECIMALS + MOST_DIGITS);
+    let rest = coefficient - sum(RATIO_DECIMALS + MOST_FURTHER_DIGITS);
     let total = |further: &usize| {
         let decimals = RATIO_DECIMALS + further;
         fixed(sum(decimals) + rounded(rest, decimals), RATIO_DECIMALS) == fixed(coefficient, RATIO_DECIMALS)
