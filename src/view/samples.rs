@@ -50,51 +50,38 @@ pub fn last(prepared: &Prepared) -> InUnit {
 }
 
 #[test]
-fn every_formula_is_drawn_with_characters_that_the_fonts_have() {
+fn every_formula_is_drawn_with_characters_that_the_fonts_have_and_nothing_is_shown_as_it_is_typed() {
+    assert!(is_typed("(u, v)_GS") && !is_typed("(u_GS, v_GS)"));
     let mut faults = Vec::new();
     for estimator in estimators() {
+        let id = estimator.info().id;
+        let code = estimator.info().pseudocode.iter().map(|line| line.text).filter(|text| is_typed(text));
+        faults.extend(code.map(|text| format!("{id}: {text}")));
         let prepared = sample(&*estimator);
         for (step, _) in steps(&prepared).into_iter().chain([last(&prepared)]) {
             let missing = |math: &Math| typeset(math, 16.0, 400.0).missing();
             for value in &step.values {
                 let symbol = latex::parse(value.of.symbol).unwrap_or_else(|why| panic!("{}: {why}", value.of.name));
-                assert_eq!(missing(&symbol), "", "{}: {}", estimator.info().id, value.of.symbol);
+                assert_eq!(missing(&symbol), "", "{id}: {}", value.of.symbol);
+                let texts = [value.of.label, value.of.definition, &symbol.plain()].map(str::to_owned);
+                faults.extend(texts.into_iter().filter(|text| is_typed(text)).map(|text| format!("{id}: {text}")));
             }
             let of_step = step.formulas().iter().map(|math| (missing(math), math.plain()));
             faults.extend(
                 of_step
                     .filter(|(missing, _)| !missing.is_empty())
-                    .map(|(missing, plain)| format!("{}: {missing:?} of {plain}", estimator.info().id)),
+                    .map(|(missing, plain)| format!("{id}: {missing:?} of {plain}")),
             );
         }
     }
+    faults.sort();
     faults.dedup();
     assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
 }
 
-/// The parts of a text that stand in it as they are typed, although they are indices or commands of a formula.
-fn untypeset(text: &str) -> bool {
+/// Whether an index or a command of a formula stands in a text as it is typed.
+fn is_typed(text: &str) -> bool {
     parts(text).iter().any(|(words, _)| words.contains(['_', '\\']))
-}
-
-#[test]
-fn nothing_is_shown_as_it_is_typed_in_a_formula() {
-    let mut faults = std::collections::BTreeSet::new();
-    for estimator in estimators() {
-        let id = estimator.info().id;
-        let prepared = sample(&*estimator);
-        for (step, _) in steps(&prepared).into_iter().chain([last(&prepared)]) {
-            for of in step.values.iter().map(|value| value.of) {
-                let symbol = latex::parse(of.symbol).map(|symbol| symbol.plain()).unwrap_or_default();
-                let texts = [of.label, of.definition, &symbol];
-                faults.extend(texts.into_iter().filter(|text| untypeset(text)).map(|text| format!("{id}: {text}")));
-            }
-        }
-        let code = estimator.info().pseudocode.iter().map(|line| line.text).filter(|text| untypeset(text));
-        faults.extend(code.map(|text| format!("{id}: {text}")));
-    }
-    assert!(faults.is_empty(), "{faults:#?}");
-    assert!(untypeset("(u, v)_GS") && !untypeset("(u_GS, v_GS)"));
 }
 
 /// The step in a language that does not exist: the words of its templates are others, its values are the same.
