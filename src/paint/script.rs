@@ -18,7 +18,7 @@ pub const MEAN: char = '\u{304}';
 const MACRON: &str = "¯";
 
 /// Most letters and digits of a subscript.
-const MOST_LETTERS: usize = 3;
+const MOST_LETTERS: usize = 6;
 
 impl Script {
     /// Size of its type, as a share of the line's.
@@ -36,7 +36,7 @@ impl Script {
     }
 }
 
-/// The parts of `text`, without the marks of its scripts: `_` between one letter and up to three letters or digits, `^` before a T
+/// The parts of `text`, without the marks of its scripts: `_` between one letter or bracket and up to six letters or digits, `^` before a T
 /// (transposed), and [`MEAN`]. All else is as it is written, names of files and of columns among it.
 pub fn parts(text: &str) -> Vec<(&str, Script)> {
     let (mut parts, mut from) = (Vec::new(), 0);
@@ -64,17 +64,21 @@ pub fn parts(text: &str) -> Vec<(&str, Script)> {
     parts
 }
 
-/// Whether `before` ends with a letter that stands alone.
+/// Whether `before` ends with a letter that stands alone, or with a bracket.
 fn is_symbol(before: &str) -> bool {
     let mut letters = before.chars().rev().filter(|c| *c != MEAN);
-    letters.next().is_some_and(char::is_alphabetic)
-        && letters.next().is_none_or(|c| !c.is_alphanumeric() && !"_-./\\".contains(c))
+    let is_alone = |before: Option<char>| before.is_none_or(|c| !c.is_alphanumeric() && !"_-./\\".contains(c));
+    match letters.next() {
+        Some(')' | '|') => true,
+        last => last.is_some_and(char::is_alphabetic) && is_alone(letters.next()),
+    }
 }
 
 /// Length in bytes of the index at the start of `after`; 0 if there is none.
 fn index_length(after: &str) -> usize {
-    let letters = after.chars().take_while(char::is_ascii_alphanumeric).count();
-    let mut rest = after[letters..].chars();
+    let is_of_index = |c: char| c.is_alphabetic() || c.is_ascii_digit();
+    let end = after.find(|c| !is_of_index(c)).unwrap_or(after.len());
+    let mut rest = after[end..].chars();
     let is_end = match rest.next() {
         Some('.') => rest.next().is_none_or(|c| !c.is_alphanumeric()),
         // A power of the symbol with its index.
@@ -82,7 +86,7 @@ fn index_length(after: &str) -> usize {
         // An index of several terms, as in `I_t+1`, is left as it is written.
         next => next.is_none_or(|c| !c.is_alphanumeric() && !"_-/\\+".contains(c)),
     };
-    if is_end && letters <= MOST_LETTERS { letters } else { 0 }
+    if is_end && after[..end].chars().count() <= MOST_LETTERS { end } else { 0 }
 }
 
 #[cfg(test)]
@@ -106,6 +110,7 @@ mod tests {
             ("I_x u + I_y v + I_t = 0.", "I₍x₎ u + I₍y₎ v + I₍t₎ = 0."),
             ("R ← D_xx D_yy − (0.9 D_xy)²", "R ← D₍xx₎ D₍yy₎ − (0.9 D₍xy₎)²"),
             ("(u_GS, v_GS) − u_0", "(u₍GS₎, v₍GS₎) − u₍0₎"),
+            ("|∇(G_σ * I)|_max, E_edge", "|∇(G₍σ₎ * I)|₍max₎, E₍edge₎"),
             ("Σ w I_x², |d_x|", "Σ w I₍x₎², |d₍x₎|"),
             ("the derivative I_t.", "the derivative I₍t₎."),
             ("x′^T F x = 0", "x′⁽T⁾ F x = 0"),

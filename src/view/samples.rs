@@ -51,7 +51,7 @@ pub fn last(prepared: &Prepared) -> InUnit {
 
 #[test]
 fn every_formula_is_drawn_with_characters_that_the_fonts_have_and_nothing_is_shown_as_it_is_typed() {
-    assert!(is_typed("(u, v)_GS") && !is_typed("(u_GS, v_GS)"));
+    assert!(is_typed(r"\omega") && is_typed("det_x") && !is_typed("(u_GS, v_GS)"));
     let mut faults = Vec::new();
     for estimator in estimators() {
         let id = estimator.info().id;
