@@ -32,7 +32,7 @@ fn every_relative_link_leads_to_a_file_and_its_heading() {
         let is_elsewhere = |target: &&str| target.contains("://") || target.starts_with("lesson:");
         for target in targets(&text).filter(|target| !is_elsewhere(target)) {
             let (file, heading) = target.split_once('#').unwrap_or((target, ""));
-            let leads_to = path.parent().expect("a folder").join(file);
+            let leads_to = if file.is_empty() { path.clone() } else { path.with_file_name(file) };
             let has_heading = || {
                 let slug = |line: &str| line.trim_start_matches('#').trim().to_lowercase().replace(' ', "-");
                 let page = std::fs::read_to_string(&leads_to).unwrap_or_default();

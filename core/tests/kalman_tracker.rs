@@ -441,7 +441,7 @@ fn sentences_until(estimator: &dyn AnyEstimator, clip: &Clip, events: usize) -> 
 }
 
 #[test]
-fn the_formula_of_a_pair_ends_with_the_condition_that_it_meets() {
+fn the_formula_of_a_pair_has_the_limits_that_it_meets() {
     // Track 1 stands still, track 2 turns back while it is not seen: only its last box still overlaps.
     let at = |x: f32, y: f32| found([x, y], [60.0, 60.0], 1.0);
     let moving = (0..8).map(|t| vec![at(100.0, 100.0), at(200.0 + 25.0 * t as f32, 300.0)]);
@@ -461,7 +461,7 @@ fn the_formula_of_a_pair_ends_with_the_condition_that_it_meets() {
         all
     };
     for (settings, condition) in [
-        (&[("cost", "both"), ("iou-threshold", "0.25")][..], "IoU = 1.000 ≥ 0.250"),
+        (&[("cost", "both"), ("iou-threshold", "0.25")][..], "(0.00)/(13.82) + (1 − 1.000)/(1 − 0.250)"),
         (&[("cost", "overlap"), ("iou-threshold", "0")], "with IoU = 1.000 > 0"),
         (&[("cost", "mahalanobis")], "≤ gate 13.82"),
     ] {

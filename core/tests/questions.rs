@@ -206,7 +206,7 @@ fn no_question_has_the_same_answer_throughout_the_examples() {
 
 #[test]
 fn the_first_answer_of_a_run_needs_thought() {
-    for (id, question) in [("global-motion", "better"), ("kalman-tracker", "gated"), ("rapid", "lost")] {
+    for (id, question) in [("global-motion", "better"), ("rapid", "lost")] {
         let example = examples::of(id).next().expect("an example");
         let mut walk = walk(id, example);
         let event = walk.info().granularities.len() - 1;

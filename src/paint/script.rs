@@ -67,7 +67,8 @@ pub fn parts(text: &str) -> Vec<(&str, Script)> {
 /// Whether `before` ends with a letter that stands alone, or with a bracket.
 fn is_symbol(before: &str) -> bool {
     let mut letters = before.chars().rev().filter(|c| *c != MEAN);
-    let is_alone = |before: Option<char>| before.is_none_or(|c| !c.is_alphanumeric() && !"_-./\\".contains(c));
+    // A factor may stand before it: `2a_xy`, `λd_0`.
+    let is_alone = |before: Option<char>| before.is_none_or(|c| !c.is_ascii_alphabetic() && !"_-./\\".contains(c));
     match letters.next() {
         Some(')' | '|') => true,
         last => last.is_some_and(char::is_alphabetic) && is_alone(letters.next()),
@@ -109,6 +110,7 @@ mod tests {
         for (text, shown) in [
             ("I_x u + I_y v + I_t = 0.", "I₍x₎ u + I₍y₎ v + I₍t₎ = 0."),
             ("R ← D_xx D_yy − (0.9 D_xy)²", "R ← D₍xx₎ D₍yy₎ − (0.9 D₍xy₎)²"),
+            ("2a_xy + λd_0", "2a₍xy₎ + λd₍0₎"),
             ("(u_GS, v_GS) − u_0", "(u₍GS₎, v₍GS₎) − u₍0₎"),
             ("|∇(G_σ * I)|_max, E_edge", "|∇(G₍σ₎ * I)|₍max₎, E₍edge₎"),
             ("Σ w I_x², |d_x|", "Σ w I₍x₎², |d₍x₎|"),

@@ -104,7 +104,7 @@ fn the_reverse_pair_is_checked_in_the_background() {
 
 #[test]
 fn blocks_have_colours_where_they_are_wanted() {
-    let mut window = window(&format!("{CLIP}estimator = \"full-search\"\n[set]\nblock = 8\nrange = 4\n"));
+    let mut window = window(&format!("{CLIP}estimator = \"full-search\"\n[set]\nblock-size = 8\nsearch-range = 4\n"));
     window.command(Command::End);
     assert_eq!((kind(&window), window.shown().at_end), (FlowLayer::None, true));
     window.command(Command::Layer(FlowLayer::Magnitude));

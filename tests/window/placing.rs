@@ -126,7 +126,7 @@ fn a_line_is_drawn_moved_and_taken_back() {
 #[test]
 fn what_was_placed_is_kept_in_a_session() {
     let clip = "synth:traffic,width=160,height=120,frames=8";
-    let set = "[set]\nlines = \"80,100,80,20\"\nzones = \"10,20,60,90\"\ntracker.clicks = \"0:5,6 2:7.5,8\"\n";
+    let set = "[set]\nlines = \"80,100,80,20\"\nzones = \"10,20,60,90\"\n\"tracker.clicks\" = \"0:5,6 2:7.5,8\"\n";
     let text =
         format!("motionscope = 1\nclip = \"{clip}\"\nestimator = \"trajectory-analysis\"\nstep = \"3.1\"\n{set}");
     let folder = Path::new(".");

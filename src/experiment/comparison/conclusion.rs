@@ -209,7 +209,8 @@ mod tests {
         );
         let alike = row("diamond", 969.21, &[(&EPE, 0.6351)]);
         assert_eq!(against(&alike, &full), "as many candidates, the same EPE");
-        assert!(sentences(&[&alike, &full]).is_empty(), "no difference is no sentence");
+        assert_eq!(sentences(&[&alike, &full]), ["No difference between these runs."]);
+        assert_eq!(sentences(&[&alike, &full, &diamond]).len(), 1, "those that differ are told, and no others");
         let unscored = row("full-search", 969.24, &[]);
         assert_eq!(against(&row("diamond", 950.0, &[]), &unscored), "about as many candidates");
         assert_eq!(against(&row("diamond", 400.0, &[]), &unscored), "2.4 × fewer candidates");

@@ -88,7 +88,10 @@ fn names(canvas: &mut Canvas, square: &Square, regions: &Regions, theme: Theme) 
         let size = [text.width(name), 1.2 * text.size];
         let (across, down) = (9.0 + size[0] / 2.0, 9.0 + size[1] / 2.0);
         let places = [[x + across, y], [x - across, y], [x, y - down], [x, y + down]];
-        let at = labels.place(size, &places).unwrap_or(places[0]);
+        let at = labels.place(size, &places).unwrap_or_else(|| {
+            labels.keep_off(Rect::centered(places[0], size));
+            places[0]
+        });
         canvas.text(at, (Anchor::Middle, Level::Middle), name, text.color(theme.word(*role)));
     }
     for (name, role, points) in &regions.boundaries {

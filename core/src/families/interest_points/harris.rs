@@ -75,17 +75,10 @@ impl Measure for Harris {
 
     const MEANING: [&'static Case; 3] = [case::RESPONSE_IS, case::IS_NOT_POSITIVE, case::IS_POSITIVE];
 
-    fn parts(&self, [xx, xy, yy]: [f64; 3]) -> [f64; 2] {
-        [xx * yy - xy * xy, xx + yy]
-    }
-
-    fn unit_of_parts(&self, tensor: [f32; 3]) -> Unit {
-        let (parts, k) = (self.parts(tensor.map(f64::from)).map(|part| part as f32), f64::from(self.k));
-        unit_of_parts(parts, self.response(tensor), |[det, trace]| det - k * trace * trace)
-    }
-
     fn formulas(&self, step: Step, tensor: [f32; 3]) -> Step {
-        let (parts, unit) = (self.parts(tensor.map(f64::from)), self.unit_of_parts(tensor));
+        let [xx, xy, yy] = tensor;
+        let (parts, k) = ([xx * yy - xy * xy, xx + yy], f64::from(self.k));
+        let unit = unit_of_parts(parts, self.response(tensor), |[det, trace]| det - k * trace * trace);
         let [determinant, trace] = [value::DETERMINANT, value::TRACE];
         let step = step.put(value::HARRIS_CONSTANT, self.k).put_value(determinant.is(parts[0]).in_unit(unit));
         let step = step.put_value(trace.is(parts[1]).in_unit(unit));

@@ -67,17 +67,11 @@ impl Measure for ShiTomasi {
 
     const MEANING: [&'static Case; 3] = [case::RESPONSE_IS, case::IS_BELOW_TENTH, case::IS_ABOVE_TENTH];
 
-    fn parts(&self, [xx, xy, yy]: [f64; 3]) -> [f64; 2] {
-        [(xx + yy) / 2.0, xx * yy - xy * xy]
-    }
-
-    fn unit_of_parts(&self, tensor: [f32; 3]) -> Unit {
-        let parts = self.parts(tensor.map(f64::from)).map(|part| part as f32);
-        unit_of_parts(parts, self.response(tensor), |[half, det]| half - (half * half - det).max(0.0).sqrt())
-    }
-
     fn formulas(&self, step: Step, tensor: [f32; 3]) -> Step {
-        let (parts, unit) = (self.parts(tensor.map(f64::from)), self.unit_of_parts(tensor));
+        let [xx, xy, yy] = tensor;
+        let parts = [(xx + yy) / 2.0, xx * yy - xy * xy];
+        let root = |[half, det]: [f64; 2]| half - (half * half - det).max(0.0).sqrt();
+        let unit = unit_of_parts(parts, self.response(tensor), root);
         let step = step.put_value(value::HALF_TRACE.is(parts[0]).in_unit(unit));
         let step = step.put_value(value::DETERMINANT.is(parts[1]).in_unit(unit));
         let step = step

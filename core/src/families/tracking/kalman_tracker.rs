@@ -22,7 +22,7 @@ use crate::methods::{
         partial::WholeSize,
         tracker_run::{self, Conclusion},
         tracking::{MultiTracker, MultiTracking},
-        vocabulary::{case as shared_case, value as shared},
+        vocabulary::value as shared,
     },
 };
 use crate::products::{Object, ObjectFrame, TrackStatus};
@@ -235,8 +235,7 @@ impl MultiTracker for KalmanTracker {
             "How many pairs of a track and a detection does gating leave?",
             line::COMPUTE_COSTS,
             shared::GATED,
-        )
-        .unless_told(&[shared_case::NONE_TO_GATE]),
+        ),
     ];
     type Tracks = Vec<Track>;
     type Event = Event;

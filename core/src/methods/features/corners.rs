@@ -14,7 +14,7 @@ use crate::products::{Output, PointField, Product, ProductKind};
 use crate::run::{
     Cursor, Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen,
 };
-use crate::scene::{Case, Chart, Focus, Question, Role, Scene, Step, Unit};
+use crate::scene::{Case, Chart, Focus, Question, Role, Scene, Step};
 
 /// A corner measure: the response as a function of the structure tensor.
 pub trait Measure: Params + Default + Clone + Send + Sync + 'static {
@@ -32,12 +32,6 @@ pub trait Measure: Params + Default + Clone + Send + Sync + 'static {
 
     /// Returns the displayed value of a response, compressed so that weak responses stay visible.
     fn shown(response: f32) -> f32;
-
-    /// Returns the numbers of the structure tensor from which the response is computed.
-    fn parts(&self, tensor: [f64; 3]) -> [f64; 2];
-
-    /// Returns the unit in which these numbers are written: fine enough that they give the response.
-    fn unit_of_parts(&self, tensor: [f32; 3]) -> Unit;
 
     /// Writes the response of a step in symbols and in numbers.
     fn formulas(&self, step: Step, tensor: [f32; 3]) -> Step;

@@ -37,19 +37,6 @@ pub(crate) fn unit_of_parts<const N: usize>(parts: [f32; N], result: f32, formul
     Unit::RESPONSE.finer(further as u8)
 }
 
-/// The unit of the entries of a structure tensor: that of responses, with the fewest further decimals with which the entries as they are
-/// written give the parts of the response as they are written.
-fn unit_of_tensor<M: Measure>(of: &M, tensor: [f32; 3]) -> Unit {
-    let unit_of_parts = of.unit_of_parts(tensor);
-    let shown = |tensor: [f64; 3]| of.parts(tensor).map(|part| value::RESPONSE.is(part).in_unit(unit_of_parts).bare());
-    let exact = shown(tensor.map(f64::from));
-    let further = further_digits(|further| {
-        let unit = Unit::RESPONSE.finer(*further as u8);
-        shown(tensor.map(|entry| value::RESPONSE.is(entry).in_unit(unit).rounded().unwrap_or(f64::NAN))) == exact
-    });
-    Unit::RESPONSE.finer(further as u8)
-}
-
 /// Interprets the eigenvalues of a pixel and its response; with both eigenvalues below `flat` it lies in a flat area.
 pub(super) fn meaning<M: Measure>(of: &M, step: Step, eigenvalues: [f32; 2], (response, flat): (f32, f32)) -> Step {
     let nature = match () {
@@ -120,8 +107,7 @@ impl<M: Measure> Corners<M> {
         let (state, Tensor { xx, xy, yy, .. }) = (seen.before, probe.tensor);
         let Settings { threshold, selection: Selection { max_points, min_distance }, .. } = self.0.settings();
         let [large, small] = probe.tensor.eigenvalues();
-        let unit = unit_of_tensor(&self.0, [xx, xy, yy]);
-        let step = step.fact(value::PIXEL, probe.place).fact_of(value::TENSOR.is([xx, xy, yy]).in_unit(unit));
+        let step = step.fact(value::PIXEL, probe.place).fact(value::TENSOR, [xx, xy, yy]);
         let step = step.fact(value::LAMBDA_1, large).fact(value::LAMBDA_2, small).fact(value::RESPONSE, probe.response);
         let step = step.formula(
             r"\mathbf{T} = \begin{pmatrix} \sum w\,I_x^2 & \sum w\,I_x I_y \\ \sum w\,I_x I_y & \sum w\,I_y^2 \end{pmatrix}",

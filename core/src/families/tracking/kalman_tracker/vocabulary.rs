@@ -6,7 +6,7 @@ use crate::scene::{Role, Unit};
 crate::variables! { pub(super) mod value;
     /// The track with the least certain position.
     WIDEST: "Least certain track", "", Unit::WHOLE;
-    /// The number of tracks whose position is as uncertain as that of the least certain one.
+    /// The number of tracks with the largest uncertainty of the position.
     AS_WIDE: "Least certain tracks", "", Unit::count("track");
     /// The squared Mahalanobis distance of the detection from the predicted measurement.
     D_SQUARED: "Squared Mahalanobis distance", "d^2", Unit::FINE, Role::Measured;
