@@ -172,6 +172,15 @@ fn what_features_do_not_have_is_absent_for_them() {
 }
 
 #[test]
+fn the_estimator_of_an_example_keeps_its_parameters() {
+    const FAILS: &str = "example:kalman-filter/manoeuvre";
+    let run = json(&format!("run {FAILS} --json"));
+    let rows = json(&format!("compare {FAILS} --estimators kalman-filter,kalman-tracker --json"));
+    assert_eq!(rows[0]["idf1"], run["metrics"]["idf1"]);
+    assert!(rows[0]["idf1"].as_f64().expect("a score") < 0.7, "it fails there: {}", rows[0]["idf1"]);
+}
+
+#[test]
 fn what_cannot_be_compared_is_reported() {
     for (more, told) in [
         ("--estimators diamnd", "diamond"),

@@ -31,11 +31,13 @@ const PLOT_SCALE: u32 = 2;
 pub fn compare(args: &CompareArgs) -> Result<(), Error> {
     let given = args.given.with(Given { truth: args.truth.clone(), ..Given::default() });
     let Named { source, given, session } = Named::find(&task::clip_name(args.clip.clone(), args.next.clone())?, given)?;
-    let chosen = args.frame.or(session.map(|session| session.experiment.frame));
+    let opened = session.map(|session| session.experiment);
+    let chosen = args.frame.or(opened.as_ref().map(|opened| opened.frame));
     if args.course {
         return course(args, &source, chosen);
     }
-    let estimators = comparison::compared_estimators(&args.estimators, &args.set)?;
+    let estimators =
+        comparison::compared_estimators(&args.estimators, opened.as_ref().map(|of| &*of.estimator), &args.set)?;
     task::warn_of_idle(&estimators.iter().map(|estimator| &**estimator).collect::<Vec<_>>(), &args.set);
     let threads = Threads::new(args.threads as usize)?;
     args.csv.as_deref().filter(|path| *path != Path::new("-")).map_or(Ok(()), check_folder)?;

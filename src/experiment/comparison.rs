@@ -505,13 +505,21 @@ pub fn rounds(source: &Source, estimators: &[Box<dyn AnyEstimator>], sweep: Opti
     values.split(',').map(|value| one(value.trim())).collect()
 }
 
-/// Returns the estimators `ids`, with `settings` of the form `ESTIMATOR.NAME=VALUE`, or `NAME=VALUE` for all that have
-/// such a parameter.
+/// Returns the estimators `ids`, that of an `opened` session or example with the parameters that it has there, with `settings` of the form
+/// `ESTIMATOR.NAME=VALUE`, or `NAME=VALUE` for all that have such a parameter.
 ///
 /// # Errors
 /// If there is no such estimator or parameter, or a value is out of range.
-pub fn compared_estimators(ids: &[String], settings: &[String]) -> Result<Vec<Box<dyn AnyEstimator>>, Error> {
-    let mut estimators = ids.iter().map(|id| estimator(id)).collect::<Result<Vec<_>, _>>()?;
+pub fn compared_estimators(
+    ids: &[String],
+    opened: Option<&dyn AnyEstimator>,
+    settings: &[String],
+) -> Result<Vec<Box<dyn AnyEstimator>>, Error> {
+    let called = |id: &String| match opened.filter(|opened| opened.info().id == id) {
+        Some(opened) => Ok(opened.boxed_clone()),
+        None => estimator(id),
+    };
+    let mut estimators = ids.iter().map(called).collect::<Result<Vec<_>, _>>()?;
     for setting in settings {
         let (name, value) = setting.split_once('=').ok_or_else(|| {
             Error::new(format!("a parameter is set by NAME=VALUE or ESTIMATOR.NAME=VALUE, not by {setting}"))

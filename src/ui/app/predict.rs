@@ -42,6 +42,8 @@ impl App {
         if self.run.predict.is_on() {
             // The next step is asked about, not the pixel that is pointed at.
             self.run.walker.focus(None);
+        } else {
+            self.toasts.tell("Prediction is off: → shows the next result at once.");
         }
     }
 

@@ -13,6 +13,7 @@ use crate::ui::drawing::chart::{rect_from, unclipped};
 use crate::ui::drawing::{ink, primitives};
 use crate::ui::layout::StripRoom;
 use crate::ui::panes::glossary::{self, Beside, Link};
+use crate::ui::parts::widgets;
 
 /// What is explained.
 #[derive(Clone, Copy)]
@@ -303,7 +304,7 @@ fn column(ui: &mut Ui, input: Input<'_>, state: &mut State, [has_why, has_how]: 
         // It only grows, so that the pane keeps its height where steps with a formula and without one follow each other.
         let needed = if std::mem::take(&mut state.is_old) { needed } else { needed.max(state.formula_end) };
         if std::mem::replace(&mut state.formula_end, needed) != needed {
-            ui.ctx().request_discard("the explanation needs another height");
+            widgets::lay_out_anew(ui.ctx(), "the explanation needs another height");
         }
     }
     if !has_how {
@@ -319,7 +320,7 @@ fn column(ui: &mut Ui, input: Input<'_>, state: &mut State, [has_why, has_how]: 
     let has_room = room - below >= formula_end;
     let is_pinned = at_work.filter(|line| has_room && overflows && !is_in_sight(line)).map(seen);
     if std::mem::replace(&mut state.pinned, is_pinned) != is_pinned {
-        ui.ctx().request_discard("the line at work came into sight, or went out of it");
+        widgets::lay_out_anew(ui.ctx(), "the line at work came into sight, or went out of it");
     }
 }
 
@@ -383,7 +384,7 @@ pub fn strip(ui: &mut Ui, (input, room): (Input<'_>, StripRoom), state: &mut Str
         state.height = needed;
         // Beside a chart below it, it takes of the chart's room.
         if room.is_column {
-            ui.ctx().request_discard("the strip needs more height");
+            widgets::lay_out_anew(ui.ctx(), "the strip needs more height");
         }
     }
     let room = ui.available_height();

@@ -169,7 +169,7 @@ pub fn show(ui: &mut Ui, rect: Rect, input: Input<'_>, state: &mut State, action
     (state.offset, state.seen) = (scrolled.state.clamped_offset().y, [seen, all]);
     state.needed = (around + all).ceil();
     if before != (state.offset, state.seen, state.needed) {
-        ui.ctx().request_discard("the page needs another height");
+        widgets::lay_out_anew(ui.ctx(), "the page needs another height");
     }
     let foot = inside.with_min_y(inside.max.y - below);
     if let Some(text) = ending {

@@ -53,9 +53,9 @@ pub fn show(ui: &mut Ui, input: &Input<'_>, state: &mut State, actions: &mut Act
         });
         match (predict.open(), predict.last()) {
             (Some(open), _) => {
-                for fact in open.given() {
-                    let words = format!("{}: {}", fact.label, fact.value);
-                    ui.add(egui::Label::new(ink::scripted(ui, &words, |words| words)).wrap());
+                let given: Vec<_> = open.given().iter().map(|of| format!("{}: {}", of.label, of.value)).collect();
+                if !given.is_empty() {
+                    ui.add(egui::Label::new(ink::scripted(ui, &given.join(" · "), |words| words)).wrap());
                 }
                 let is_new = state.is_for(open);
                 ui.horizontal_wrapped(|ui| ways(ui, open, (theme, state, is_new), actions));
@@ -80,7 +80,7 @@ pub fn show(ui: &mut Ui, input: &Input<'_>, state: &mut State, actions: &mut Act
     });
     let needed = (shown.inner + shown.state.clamped_offset().y - top).ceil();
     if std::mem::replace(&mut state.needed, needed) != needed {
-        ui.ctx().request_discard("the question needs another height");
+        widgets::lay_out_anew(ui.ctx(), "the question needs another height");
     }
 }
 

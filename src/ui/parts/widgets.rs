@@ -15,6 +15,24 @@ pub fn icon(ui: &Ui, icon: Icon) -> RichText {
     RichText::new(char::from(icon).to_string()).font(FontId::new((size * 1.15).round(), style::icons()))
 }
 
+/// Lays the frame out once more, because a part of it needs another size. Not in many frames in a row: where two parts keep changing each
+/// other's room, the frame is shown as it is.
+pub fn lay_out_anew(ctx: &egui::Context, why: &'static str) {
+    const MOST_IN_A_ROW: u32 = 2;
+    let (frame, id) = (ctx.cumulative_frame_nr(), Id::unique("laid out anew"));
+    let (last, count): (u64, u32) = ctx.data(|data| data.get_temp(id)).unwrap_or_default();
+    let count = match frame.saturating_sub(last) {
+        0 => count,
+        1 => count + 1,
+        _ => 1,
+    };
+    if count > MOST_IN_A_ROW {
+        return ctx.request_repaint();
+    }
+    ctx.data_mut(|data| data.insert_temp(id, (frame, count)));
+    ctx.request_discard(why);
+}
+
 /// A square button with an icon, no frame until the pointer is on it, and a name for screen readers.
 pub fn icon_button(ui: &mut Ui, glyph: Icon, name: &str, selected: bool) -> Response {
     let side = ui.spacing().interact_size.y;
