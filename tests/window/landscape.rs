@@ -1,7 +1,7 @@
 //! The picture leaned back, and what rises from it.
 
 use super::files::{paint, write_to};
-use super::layout::words;
+use super::layout::{close_messages, words};
 use super::pixels::pane_of;
 use super::*;
 use eframe::egui::TextureId;
@@ -156,6 +156,8 @@ fn untested_candidates_are_hidden_while_questions_are_asked() {
     assert!(leans(&window), "what was tested still rises");
     assert!(painted(&window) + 100 < whole, "{} of {whole} shapes", painted(&window));
     window.command(Command::Predict);
+    // A message says that the questions are off.
+    close_messages(&mut window);
     assert_eq!(painted(&window), whole);
 }
 
