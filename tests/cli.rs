@@ -579,8 +579,7 @@ fn the_test_picture_needs_no_ffmpeg() {
     let output = run("camera --device test --size 64x48 --seconds 0.3 --out t.y4m");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let info = json(folder.path(), "info t.y4m --json");
-    // 30 a second; a busy machine misses some.
-    assert!(info["width"] == 64 && info["frames"].as_u64().is_some_and(|frames| (1..=10).contains(&frames)), "{info}");
+    assert!(info["width"] == 64 && info["frames"].as_u64().is_some_and(|frames| (4..=9).contains(&frames)), "{info}");
     // A recording is not made again, so it is overwritten only if that is asked for.
     let first = fs::read(folder.path().join("t.y4m")).unwrap();
     let line = "camera --device test --size 65x49 --seconds 0.2 --out t.y4m";

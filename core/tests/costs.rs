@@ -112,17 +112,12 @@ fn shown(cost: &str, a: fn(usize, usize) -> u8, b: fn(usize, usize) -> u8) -> (V
     let (mut lines, mut tile) = (Vec::new(), None);
     for readout in walk.step(None).readouts {
         match readout {
-            // Its numbers and signs, however wide the spaces between them are.
-            Readout::Equation(math) => lines = math.iter().map(|line| spaced(&line.plain())).collect(),
+            Readout::Equation(math) => lines = math.iter().map(|line| line.plain()).collect(),
             Readout::Tiles(mut tiles) => tile = tiles.pop(),
             _ => {}
         }
     }
     (lines, tile.expect("tiles").values.map(|v| v.round() as u8))
-}
-
-fn spaced(line: &str) -> String {
-    line.split(' ').filter(|word| !word.is_empty()).collect::<Vec<_>>().join(" ")
 }
 
 #[test]

@@ -82,7 +82,7 @@ impl Fingerprint {
         }
     }
 
-    /// That of nothing.
+    /// The hash of no bytes.
     const EMPTY: u64 = 0xcbf2_9ce4_8422_2325;
 
     fn of(product: &dyn AnyProduct) -> Self {

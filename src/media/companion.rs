@@ -1,4 +1,4 @@
-//! What belongs to a clip in files of its own: ground truth, depths, a right view, a calibration, detections.
+//! Companions of a clip, in files of their own: ground truth, depths, a right view, a calibration, detections.
 
 use std::path::{Path, PathBuf};
 

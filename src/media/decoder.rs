@@ -1,4 +1,4 @@
-//! What a format's reader makes of a file: facts, and a decoder of its frames.
+//! The result of a format's reader: facts about the clip, and a decoder of its frames.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ pub(crate) trait Decoder: Send {
     fn decode(&mut self, index: usize, stop: &Stop, keep: &mut dyn FnMut(usize, Frame)) -> Result<(), Error>;
 }
 
-/// What a format's reader makes of a file.
+/// The result of a format's reader.
 pub(crate) struct Source {
     /// Facts about the clip; the size has been checked with [`check_size`](super::check_size).
     pub info: ClipInfo,

@@ -85,7 +85,7 @@ impl App {
                 }
                 self.run.walker.go_at(focus, side);
             }
-            // What is pointed at would be explained by the step that is held back.
+            // The step that is held back would explain the pixel under the pointer.
             Action::Focus(_) if self.run.predict.is_due() || self.run.predict.open().is_some() => {}
             Action::Chart(index) => self.choose_chart(index),
             Action::Draw(line) => self.draw(*line),

@@ -39,7 +39,7 @@ pub(super) enum Overlay {
     Camera(Box<camera::State>),
     /// Estimators beside each other.
     Compare(Box<compare::State>),
-    /// What the program is.
+    /// Name, version and licences.
     About,
 }
 

@@ -41,7 +41,7 @@ impl Exports {
         self.writing.iter().for_each(|writing| writing.work.cancel());
     }
 
-    /// What became of a file, once it is written.
+    /// The outcome of an export.
     fn written(&mut self) -> Option<Result<String, Error>> {
         let outcome = self.writing.as_ref()?.work.take()?;
         let folder = self.writing.take().and_then(|writing| writing.folder);
@@ -68,7 +68,7 @@ impl App {
 
     /// Opens the dialog that saves `kind`.
     pub(super) fn save_as(&mut self, kind: Kind) {
-        // What is written is what is shown: it stays as long as the dialog asks.
+        // The file has the step that is shown, so the run waits while the dialog is open.
         self.run.player.pause();
         let Some(shown) = self.run.view.shown.as_deref() else { return };
         if kind == Kind::Session && self.run.document.has_own_clip() {

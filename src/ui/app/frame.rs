@@ -171,7 +171,7 @@ impl App {
             regions.extend(self.panes.states.stage.pictures().map(|rect| (Region::Pictures, rect)));
         }
         self.panes.arranged = all;
-        // What was chosen on the stage is shown as soon as it is made.
+        // A layer chosen on the stage is shown as soon as it is made.
         self.run.walker.look(&self.settings.look);
     }
 
@@ -230,7 +230,7 @@ impl eframe::App for App {
         }
         let view = self.run.walker.view();
         if view.busy {
-            // That it takes long, or ends, is seen even if nobody says so.
+            // The window is drawn again when a long job shows its progress, and when it ends.
             ctx.request_repaint_after(if view.stopping { status::SOON } else { status::LATE });
         }
         let interface = self.settings.interface(self.size());
@@ -242,7 +242,7 @@ impl eframe::App for App {
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         self.note_place();
-        // What a page sets is not how the person looks at pictures.
+        // The settings of a page do not become those of the person.
         let look = self.settings.look;
         if let Some(open) = &self.course.lesson {
             self.settings.look = open.without_page(look);

@@ -85,7 +85,7 @@ pub struct App {
     presentation: Presentation,
     recorder: Recorder,
     toasts: Toasts,
-    /// Whether what a new user has tried can be remembered: else a hint would come again at each start.
+    /// Whether the keys that a new user has tried can be stored: otherwise a hint would return at each start.
     can_remember: bool,
     /// The interface that egui was told last.
     styled: Option<style::Interface>,

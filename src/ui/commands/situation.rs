@@ -108,6 +108,16 @@ impl Situation {
         self.has_run && !self.at_end
     }
 
+    /// Whether → leads on: at the end of the last page of a lesson it offers the next one.
+    pub fn can_step(&self) -> bool {
+        self.lesson_goes_on || self.is_asked || self.can_go_on()
+    }
+
+    /// Whether ← leads back: in a lesson it turns the pages as well.
+    pub fn can_step_back(&self) -> bool {
+        self.in_lesson && !self.at_first_page || self.can_go_back()
+    }
+
     /// Whether the run has a step before the one that is shown.
     pub fn can_go_back(&self) -> bool {
         self.has_run && !self.at_start

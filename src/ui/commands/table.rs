@@ -439,14 +439,12 @@ commands! {
     Into: Entry {
         icon: Icon::ChevronRight, text: "Next {into}", keys: &[key(Key::ArrowRight)], repeats: true,
         tip: "Step forward one {into}.",
-        // At the end of the last page of a lesson it offers the next one.
-        enabled: |now| now.lesson_goes_on || now.is_asked || now.can_go_on(), ..FORWARD
+        enabled: Situation::can_step, ..FORWARD
     },
     IntoBack: Entry {
         icon: Icon::ChevronLeft, text: "Previous {into}", keys: &[key(Key::ArrowLeft)], repeats: true,
         tip: "Step back one {into}.",
-        // In a lesson it turns the pages as well.
-        enabled: |now| now.in_lesson && !now.at_first_page || now.can_go_back(), ..BACK
+        enabled: Situation::can_step_back, ..BACK
     },
     Over: Entry {
         icon: Icon::ChevronsRight, text: "Finish this {over}", keys: &[shift(Key::ArrowRight)], repeats: true,
@@ -473,15 +471,13 @@ commands! {
         icon: Icon::ArrowRight, text: "Result of the next {over}", keys: &[key(Key::PageDown)], repeats: true,
         section: 6,
         tip: "Skip to the end of the {over} after this one; a presenter's clicker sends this key.",
-        // At the end of the last page of a lesson it offers the next one.
-        enabled: |now| now.lesson_goes_on || now.is_asked || now.can_go_on(), ..FORWARD
+        enabled: Situation::can_step, ..FORWARD
     },
     PreviousUnit: Entry {
         icon: Icon::ArrowLeft, text: "Result of the previous {over}", keys: &[key(Key::PageUp)], repeats: true,
         section: 6,
         tip: "Skip back to the end of the {over} before this one; a presenter's clicker sends this key.",
-        // In a lesson it turns the pages as well.
-        enabled: |now| now.in_lesson && !now.at_first_page || now.can_go_back(), ..BACK
+        enabled: Situation::can_step_back, ..BACK
     },
     NextPage: Entry {
         icon: Icon::ChevronRight, text: "Next page", keys: &[ctrl(Key::PageDown)],

@@ -196,7 +196,7 @@ impl Drawn<'_, '_> {
         }
     }
 
-    /// What the program is, and the ways to open anything.
+    /// The name of the program, and the ways to open a clip.
     fn head(&mut self, ui: &mut Ui) {
         let size = TextStyle::Body.resolve(ui.style()).size;
         ui.horizontal(|ui| {

@@ -243,7 +243,7 @@ impl Probe<'_> {
                 term(sum, &format!("I_t(x, y) - {next}"))
             ))
             .formula(format!(r"{relation}\, {terms}"))
-            .formula(format!(r"=\, {mean}{{distortion}}{part}"))
+            .formula(format!(r"= {mean}{{distortion}}{part}"))
     }
 
     /// The gray levels of pixel `i` of the block and of the candidate, row by row.
@@ -316,8 +316,8 @@ impl Probe<'_> {
             .put(value::PART_PIXELS, skipped.side * skipped.side)
             .put(value::BOUND_SUM, skipped.bound)
             .formula(format!(r"{times}{{label}}({{u}}, {{v}}) \ge {mean}\sum_k {parts}"))
-            .formula(format!(r"=\, {mean}({terms})"))
-            .formula(r"=\, {bound_sum}")
+            .formula(format!(r"= {mean}({terms})"))
+            .formula(r"= {bound_sum}")
     }
 
     fn tiles(&self, candidate: Match, rows: usize) -> Vec<Tile> {

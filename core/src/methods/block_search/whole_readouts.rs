@@ -21,7 +21,7 @@ impl Probe<'_> {
                 let coefficients = whole::coefficients(a, pixels, stride, (0, 0))[0].into_iter().collect::<Number>();
                 step.put(value::COEFFICIENTS, coefficients)
                     .formula(named(r"\frac{1}{2}\, \sum_{\text{4×4}} \sum_{i, j} |(HDH)_{i, j}|".into()))
-                    .formula(r"=\, \frac{1}{2} \cdot ({coefficients:sum} + \ldots)")
+                    .formula(r"= \frac{1}{2} \cdot ({coefficients:sum} + \ldots)")
             }
             Cost::Ncc => {
                 let count = (self.block().width * self.block().height) as f64;
@@ -32,7 +32,7 @@ impl Probe<'_> {
                     .put_value(value::CANDIDATE_VARIANCE.is(others).inked(self.shown_role()))
                     .put(value::COVARIANCE, both)
                     .formula(named(format!(r"1 - \frac{{{above}}}{{\sqrt{{{below}}}}}")))
-                    .formula(r"=\, 1 - \frac{{covariance}}{\sqrt{{block_variance} \cdot {candidate_variance}}}")
+                    .formula(r"= 1 - \frac{{covariance}}{\sqrt{{block_variance} \cdot {candidate_variance}}}")
             }
             _ => {
                 let [own, others] = self.means(a, b);
@@ -41,10 +41,10 @@ impl Probe<'_> {
                     .put(value::BLOCK_MEAN, own)
                     .put(value::CANDIDATE_MEAN, others)
                     .formula(named(format!(r"\sum_{{x, y}} |{OFF_MEAN} - {off_mean}|")))
-                    .formula(format!(r"=\, {first} + \ldots + {last}"))
+                    .formula(format!(r"= {first} + \ldots + {last}"))
             }
         };
-        step.formula(r"=\, {distortion}")
+        step.formula(r"= {distortion}")
     }
 
     fn means(&self, a: &Cut, b: &Cut) -> [f64; 2] {

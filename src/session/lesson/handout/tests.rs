@@ -6,7 +6,7 @@ use crate::paint::primitive::{Line, Rect};
 use crate::paint::{FreehandLine, PenColor, Placed, Primitive};
 use crate::view::handout::PerSheet;
 
-/// What a placed figure covers of the sheet.
+/// The part of the sheet that a placed figure covers.
 fn covered(placed: &Placed) -> Rect {
     Rect::new(placed.at, placed.figure.size.map(|side| side * placed.scale))
 }
@@ -53,7 +53,7 @@ fn faults(lesson: &Lesson, options: Options) -> Vec<String> {
             let met = rects[..i].iter().find(|other| other.grown(-1.0).meets(&rect.grown(-1.0)));
             faults.extend(met.map(|other| format!("{place}: {rect:?} covers {other:?}")));
         }
-        // What is put down in its own size are words; pictures have theirs in panes.
+        // Only words have their own size; pictures take that of their panes.
         let blocks = sheet.figures.iter().filter(|placed| placed.scale == 1.0);
         faults.extend(blocks.flat_map(cut).map(|words| format!("{place}: {words} leaves its block")));
         let all = sheet.figures.iter().flat_map(words);
