@@ -1,5 +1,6 @@
 //! Motionscope's window and command line over `motionscope-core`.
 
+#[cfg(not(target_arch = "wasm32"))]
 pub mod cli;
 pub mod experiment;
 pub mod media;

@@ -1,7 +1,6 @@
 //! `motionscope run`: runs an estimator, prints its report and saves its results.
 
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
 use motionscope_core::base::{Error, Threads};
 use motionscope_core::course::detection;
@@ -9,6 +8,7 @@ use motionscope_core::products::model::IDENTITY;
 use motionscope_core::products::{Consistency, EpipolarField, ModelField, Output, PathField, Reference, TrackField};
 use motionscope_core::run::{AnyEstimator, Cursor, Move, RunSummary};
 use motionscope_core::scene::{Levels, Picture, Step};
+use web_time::{Duration, Instant};
 
 use super::args::RunArgs;
 use super::outputs::{self, check_folder, refuse_losses};

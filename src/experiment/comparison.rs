@@ -8,7 +8,6 @@ mod best;
 pub mod conclusion;
 
 use std::borrow::Borrow;
-use std::time::{Duration, Instant};
 
 use motionscope_core::base::words::{fixed, grouped};
 use motionscope_core::base::{Error, Threads};
@@ -19,6 +18,7 @@ use motionscope_core::params::Value;
 use motionscope_core::products::{self, Assessment, Better, Figure, KINDS, Measure, Reference};
 use motionscope_core::run::{AnyEstimator, FRAMES};
 use serde_json::{Map, json};
+use web_time::{Duration, Instant};
 
 use crate::experiment::source::Source;
 

@@ -7,11 +7,11 @@ use std::collections::VecDeque;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
-use std::time::{Duration, Instant};
 
 use motionscope_core::base::{Error, Stop};
 use motionscope_core::data::{Clip, ClipInfo, Frame, FrameSource};
 use motionscope_core::run::{AnyEstimator, Direction, FRAME, FRAMES, Move, Walk};
+use web_time::{Duration, Instant};
 
 /// Frames of the past that a run can look back at.
 const KEPT: usize = 64;

@@ -7,9 +7,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
-use std::time::{Duration, Instant};
 
 use motionscope_core::base::Error;
+use web_time::{Duration, Instant};
 
 /// How often a waiting thread asks whether it should stop.
 const POLL: Duration = Duration::from_millis(10);

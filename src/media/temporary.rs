@@ -69,9 +69,10 @@ pub fn at_work() -> RwLockReadGuard<'static, ()> {
 /// A run, until it is dropped.
 pub struct Cleanup(Receiver<()>);
 
-/// Begins the run of this process: sweeps what earlier ones have left, and cleans up when a signal ends this one.
-pub fn begin() -> Cleanup {
-    let notes = eframe::storage_dir("motionscope").map(|folder| folder.join("unfinished"));
+/// Begins the run of this process, which takes its notes in `storage`: sweeps what earlier ones have left, and cleans up when a signal
+/// ends this one.
+pub fn begin(storage: Option<PathBuf>) -> Cleanup {
+    let notes = storage.map(|folder| folder.join("unfinished"));
     let (done, swept) = channel();
     if let Some(notes) = notes.clone() {
         // A folder that does not answer must not keep anybody waiting.
@@ -253,7 +254,7 @@ fn listen() {
     let Ok(mut signals) = signal_hook::iterator::Signals::new(signals) else { return };
     let wait = move || {
         if let Some(signal) = signals.forever().next() {
-            let begun = std::time::Instant::now();
+            let begun = web_time::Instant::now();
             // Nobody waits for this lock: one who reads it may read it again.
             let _still = loop {
                 match AT_WORK.try_write() {

@@ -1,6 +1,5 @@
 //! Foundations: errors, words and numbers, threads, cancellation, and observers.
 
-pub(crate) mod clock;
 pub mod effort;
 pub(crate) mod entropy;
 mod error;

@@ -7,10 +7,11 @@
 //! the last step takes at most twice the work of a run.
 
 use std::collections::BTreeMap;
-use std::time::Duration;
+
+use web_time::{Duration, Instant};
 
 use super::{Cursor, Direction, Estimator, Explained, Granularity, Info, Move, Progress, Seen, Walk};
-use crate::base::{Error, Stop, clock::Stopwatch};
+use crate::base::{Error, Stop};
 use crate::data::Clip;
 use crate::products::Output;
 use crate::scene::{Focus, Name, Picture, Role, Scene, Step};
@@ -29,7 +30,7 @@ impl<E: Estimator> Unit<E> {
     /// Runs the unit that starts at `start`, observed.
     fn observe(estimator: &E, clip: &Clip, start: UnitStart<E>) -> Result<(Self, Progress), Error> {
         let UnitStart { index, state: before, work } = start;
-        let (begun, mut after) = (Stopwatch::start(), before.clone());
+        let (begun, mut after) = (Instant::now(), before.clone());
         let mut events = Vec::new();
         let progress = estimator.advance(clip, &mut after, &mut events)?;
         Ok((Self { index, before, after, events, work: [work, work + begun.elapsed()] }, progress))
@@ -102,7 +103,7 @@ impl<S> Checkpoints<S> {
 
     /// Keeps a state and its bytes; thins out when the budget is used up.
     fn keep(&mut self, index: usize, rest: impl FnOnce() -> (S, usize)) {
-        let begun = Stopwatch::start();
+        let begun = Instant::now();
         let (state, bytes) = rest();
         self.cost = begun.elapsed();
         self.states.insert(index, (state, bytes));
@@ -337,7 +338,7 @@ impl<E: Estimator> Timeline<E> {
             Goal::Cursor(cursor) => cursor.unit - pending.index,
             Goal::GroupEnd { .. } => usize::MAX,
         };
-        let begun = Stopwatch::start();
+        let begun = Instant::now();
         let done = self.estimator.advance_many(&self.clip, &mut pending.state, most);
         pending.work += begun.elapsed();
         self.advanced += done.as_ref().map_or(1, |(units, _)| *units);

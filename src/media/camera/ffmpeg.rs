@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use std::process::Stdio;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
-use std::time::{Duration, Instant};
 
 use motionscope_core::base::{Error, Stop};
+use web_time::{Duration, Instant};
 
 use super::devices::described;
 use super::{CameraFeed, Cameras, Device, Format, Platform, Size, Stream, TestPicture};

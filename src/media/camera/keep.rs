@@ -3,9 +3,9 @@
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
 use motionscope_core::base::{Error, Stop};
+use web_time::{Duration, Instant};
 
 use super::reading::{belongs, rate};
 use super::{CameraFeed, Format, Shot};

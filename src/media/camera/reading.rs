@@ -3,10 +3,10 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
 use std::thread;
-use std::time::{Duration, Instant};
 
 use motionscope_core::base::{Error, Stop};
 use motionscope_core::data::Frame;
+use web_time::{Duration, Instant};
 
 use super::{CameraFeed, Format};
 

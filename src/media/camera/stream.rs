@@ -3,9 +3,9 @@
 use std::io::{BufRead, BufReader, Read};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::thread;
-use std::time::{Duration, Instant};
 
 use motionscope_core::base::{Error, Stop};
+use web_time::{Duration, Instant};
 
 use super::{CameraFeed, Format};
 use crate::media::video::y4m::MAX_LINE_BYTES;

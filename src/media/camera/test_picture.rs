@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 use std::thread;
-use std::time::{Duration, Instant};
 
 use motionscope_core::base::{Error, Stop};
+use web_time::{Duration, Instant};
 
 use super::{CameraFeed, Format, Size};
 use crate::media::numbers::whole;

@@ -8,12 +8,12 @@ use std::path::Path;
 use std::process::ChildStdout;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::thread;
-use std::time::{Duration, Instant};
 
 use motionscope_core::base::{Error, Stop};
 use motionscope_core::data::{ClipInfo, Frame};
 use motionscope_core::geometry::Grid;
 use serde::Deserialize;
+use web_time::{Duration, Instant};
 
 use super::FfmpegReason;
 use crate::media::helper::{self, Failure, Limits, Running, program};

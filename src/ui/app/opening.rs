@@ -3,7 +3,6 @@
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use std::time::Instant;
 
 use eframe::egui::ViewportCommand;
 use motionscope_core::base::Error;
@@ -11,6 +10,7 @@ use motionscope_core::course::examples::{self, Example};
 use motionscope_core::data::Clip;
 use motionscope_core::run::{Cursor, Info};
 use motionscope_core::synth::Sample;
+use web_time::Instant;
 
 use super::App;
 use super::dialogs::Overlay;
@@ -310,6 +310,7 @@ fn title(document: &Document) -> String {
     }
 }
 
+#[cfg(not(target_arch = "wasm32"))]
 fn ask_system(wanted: Browse) -> Option<PathBuf> {
     let dialog = rfd::FileDialog::new();
     match wanted {
@@ -320,4 +321,9 @@ fn ask_system(wanted: Browse) -> Option<PathBuf> {
         Browse::SaveFile => dialog.set_title("Save as").save_file(),
         Browse::SaveFolder => dialog.set_title("Save in a folder").pick_folder(),
     }
+}
+
+#[cfg(target_arch = "wasm32")]
+fn ask_system(_: Browse) -> Option<PathBuf> {
+    None
 }

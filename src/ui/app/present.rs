@@ -4,7 +4,6 @@
 //! same actions. The next step comes from `ui/model/upcoming.rs`.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 use eframe::egui::{
     self, CentralPanel, Frame, Id, LayerId, Margin, Order, Panel, Stroke, Ui, ViewportBuilder, ViewportClass,
@@ -12,6 +11,7 @@ use eframe::egui::{
 };
 use motionscope_core::base::Error;
 use motionscope_core::scene::Role;
+use web_time::{Duration, Instant};
 
 use super::App;
 use crate::experiment::Prepared;

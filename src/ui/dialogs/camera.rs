@@ -5,7 +5,6 @@ mod countdown;
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 use countdown::Countdown;
 use eframe::egui::{
@@ -16,6 +15,7 @@ use motionscope_core::base::Error;
 use motionscope_core::base::words::capital;
 use motionscope_core::course::estimator;
 use motionscope_core::run::{Cursor, Info};
+use web_time::{Duration, Instant};
 
 use crate::media::camera::{Camera, Cameras, Closing, Device, Kept, Shot, Size, keep};
 use crate::paint::charts::Orbit;

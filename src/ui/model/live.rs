@@ -4,13 +4,13 @@ use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
-use std::time::{Duration, Instant};
 
 use motionscope_core::base::{Error, Stop};
 use motionscope_core::course::estimators;
 use motionscope_core::data::{Clip, Frame};
 use motionscope_core::run::{AnyEstimator, Info, Walk};
 use motionscope_core::scene::Scene;
+use web_time::{Duration, Instant};
 
 use crate::experiment::live::{LiveRun, NextFrame, measure};
 use crate::media::camera::{Camera, Format};

@@ -111,7 +111,7 @@ fn opened(named: Named, written: Option<&Path>, progress: Arc<dyn Progress>) -> 
 
 #[cfg(test)]
 mod tests {
-    use std::time::{Duration, Instant};
+    use web_time::{Duration, Instant};
 
     use super::*;
 

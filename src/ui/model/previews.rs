@@ -277,7 +277,7 @@ fn picture(clip: &Clip, number: usize) -> Option<ColorImage> {
 
 #[cfg(test)]
 mod tests {
-    use std::time::{Duration, Instant};
+    use web_time::{Duration, Instant};
 
     use super::*;
 

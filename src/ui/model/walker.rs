@@ -15,7 +15,6 @@ mod worker;
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
 
 use mailbox::{Mailbox, Request, Shared};
 pub use mailbox::{Phase, View};
@@ -24,6 +23,7 @@ use motionscope_core::base::Error;
 use motionscope_core::products::Output;
 use motionscope_core::run::{Direction, Move, Walk};
 use motionscope_core::scene::Focus;
+use web_time::{Duration, Instant};
 use worker::Worker;
 
 use super::snapshot::{Hold, Job, Place, Snapshot};

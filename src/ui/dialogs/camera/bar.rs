@@ -1,11 +1,10 @@
 //! The line below the picture of the camera: its state, and the buttons that make recordings.
 
-use std::time::Instant;
-
 use eframe::egui::{Align, Button, Label, Layout, RichText, Ui};
 use lucide_icons::Icon;
 use motionscope_core::base::words::capital;
 use motionscope_core::course::estimator;
+use web_time::Instant;
 
 use super::{Keys, State, countdown};
 use crate::media::camera::Size;

@@ -1,8 +1,7 @@
 //! The countdown before a recording, in which the lecturer steps before the camera.
 
-use std::time::{Duration, Instant};
-
 use eframe::egui::{Align2, Color32, Context, FontId, Rect, Ui};
+use web_time::{Duration, Instant};
 
 use crate::ui::drawing::style;
 

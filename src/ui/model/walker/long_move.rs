@@ -1,8 +1,7 @@
 //! The way of a move, which is gone in parts if it is long, so that what was found so far can be seen.
 
-use std::time::{Duration, Instant};
-
 use motionscope_core::run::{Cursor, Direction, Move};
+use web_time::{Duration, Instant};
 
 use super::run::Run;
 

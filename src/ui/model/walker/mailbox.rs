@@ -2,12 +2,12 @@
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
 
 use motionscope_core::base::{Error, Stop};
 use motionscope_core::data::Flow;
 use motionscope_core::run::{Direction, Move, Walk};
 use motionscope_core::scene::Focus;
+use web_time::{Duration, Instant};
 
 use super::Marks;
 use crate::experiment::Prepared;

@@ -1,9 +1,8 @@
 //! Moves to the steps that the timeline marks.
 
-use std::time::Instant;
-
 use motionscope_core::run::{Cursor, Direction, Move, Walk};
 use motionscope_core::scene::Role;
+use web_time::Instant;
 
 use super::{SLOW_AFTER, Worker};
 

@@ -3,12 +3,12 @@
 use std::cell::{Cell, OnceCell, RefCell};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, PoisonError};
-use std::time::Instant;
 
 use motionscope_core::base::{Error, Stop};
 use motionscope_core::data::{Clip, Flow};
 use motionscope_core::run::{Cursor, Explained, Move};
 use motionscope_core::scene::Focus;
+use web_time::Instant;
 
 use super::long_move::LongMove;
 use super::mailbox::{Phase, Request, Shared};
