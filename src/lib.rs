@@ -10,3 +10,4 @@ pub mod search;
 pub mod session;
 pub mod ui;
 pub mod view;
+pub mod work;

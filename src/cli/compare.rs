@@ -20,6 +20,7 @@ use crate::paint::Theme;
 use crate::session::{Named, Session};
 use crate::view::rendering::Format;
 use crate::view::sweep_plot;
+use crate::work;
 
 /// Pixels per point of a plot as PNG.
 const PLOT_SCALE: u32 = 2;
@@ -72,7 +73,7 @@ pub fn compare(args: &CompareArgs) -> Result<(), Error> {
         let conditions = Conditions { clip: &clip, frame, threads: &threads, repeats };
         for compared in &compared_estimators {
             let status = Status::new((rows.len(), total), compared.estimator.info().name);
-            let row = Row::of(compared, &conditions)?;
+            let row = work::finish(Row::of(compared, &conditions))?;
             drop(status);
             if let Some(why) = &row.assessment.truth_warning {
                 remark(&format!("warning: {why}"));
@@ -165,10 +166,8 @@ fn course(args: &CompareArgs, source: &Source, frame: Option<usize>) -> Result<(
     let clip = source.open(&Open::default())?.clip;
     let frame = frame.unwrap_or_else(|| task::initial_frame(&clip, true));
     let threads = Threads::new(args.threads as usize)?;
-    let course_table = course_table::course_table(
-        &Conditions { clip: &clip, frame, threads: &threads, repeats: repeats(args) },
-        &Stop::default(),
-    )?;
+    let conditions = Conditions { clip: &clip, frame, threads: &threads, repeats: repeats(args) };
+    let course_table = work::finish(course_table::course_table(&conditions, &Stop::default()))?;
     match (args.json, args.markdown) {
         (true, _) => say_json(&course_table::json(&course_table).to_string()),
         (_, true) => say(&course_table::markdown(&course_table)),

@@ -17,6 +17,7 @@ use crate::session::lesson::Address;
 use crate::view::page::{Stand, Words};
 use crate::view::panes::Selection;
 use crate::view::steps::{self, Medium, Range, Steps};
+use crate::work;
 
 /// Saves the pictures that `args` ask for, each file atomically.
 ///
@@ -64,7 +65,7 @@ pub fn export(args: &ExportArgs) -> Result<(), Error> {
         1 => remark(&format!("1 picture is saved into {to}")),
         count => remark(&format!("{count} pictures are saved into {to}")),
     };
-    let written = steps.write(&prepared, medium, None, Some(&tell))?;
+    let written = work::finish(steps.write(&prepared, medium, None, Some(&tell)))?;
     say(&format!("{} in {to}{}", written.pictures(), written.without()))
 }
 

@@ -21,6 +21,7 @@ use serde_json::{Map, json};
 use web_time::{Duration, Instant};
 
 use crate::experiment::source::Source;
+use crate::work;
 
 /// One estimator of a comparison, with its parameters.
 pub struct ComparedEstimator {
@@ -91,20 +92,24 @@ impl Row {
     ///
     /// # Errors
     /// If it cannot run there, or a frame cannot be read.
-    pub fn of(compared: &ComparedEstimator, conditions: &Conditions<'_>) -> Result<Self, Error> {
+    pub async fn of(compared: &ComparedEstimator, conditions: &Conditions<'_>) -> Result<Self, Error> {
         let Conditions { clip, frame, threads, repeats } = *conditions;
         let estimator = &*compared.estimator;
         decode(estimator, (clip, frame))?;
+        work::breathe().await;
         let start = Instant::now();
         let ran = estimator.run_counted(clip, frame, threads)?;
         let (mut time, begun, mut done) = (start.elapsed(), start, 1);
         // Counted once; further runs are timed without an observer.
         while repeats.go_on(done, begun.elapsed()) {
+            work::breathe().await;
             let start = Instant::now();
             estimator.run(clip, frame, threads)?;
             (time, done) = (time.min(start.elapsed()), done + 1);
         }
+        work::breathe().await;
         let figures = Figures::of(estimator, &ran, (clip, frame), threads)?;
+        work::breathe().await;
         let assessment = detection::assess(estimator, &ran.output, &Reference { clip, frame }, threads)?;
         Ok(Self { estimator: estimator.boxed_clone(), swept: compared.swept.clone(), time, assessment, figures })
     }

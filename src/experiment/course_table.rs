@@ -9,6 +9,7 @@ use motionscope_core::run::AnyEstimator;
 use serde_json::{Value, json};
 
 use crate::experiment::comparison::{ComparedEstimator, Conditions, Row, columns, markdown_table};
+use crate::work;
 
 /// The three searches, in the order of the course's table.
 const IDS: [&str; 3] = ["full-search", "quadrant-search", "hierarchical"];
@@ -110,33 +111,34 @@ fn three(set: &[(&str, &str)]) -> Result<[Box<dyn AnyEstimator>; 3], Error> {
     Ok([a?, b?, c?])
 }
 
-/// Applies `f` to each of three values.
-fn each<A, B>(all: &[A; 3], f: impl Fn(&A) -> Result<B, Error>) -> Result<[B; 3], Error> {
-    let [a, b, c] = all.each_ref().map(f);
-    Ok([a?, b?, c?])
+/// Applies `f` to each of three values, one after the other.
+async fn each<A, B>(all: &[A; 3], f: impl AsyncFn(&A) -> Result<B, Error>) -> Result<[B; 3], Error> {
+    let [a, b, c] = all;
+    Ok([f(a).await?, f(b).await?, f(c).await?])
 }
 
 /// Measures the course's table in `conditions`, until `stop` cancels it.
 ///
 /// # Errors
 /// If one of them cannot run there.
-pub fn course_table(conditions: &Conditions<'_>, stop: &Stop) -> Result<Vec<CourseRow>, Error> {
-    let [small, large] = RANGES.map(|range| {
-        each(&three(&[("search-range", range)])?, |search| {
+pub async fn course_table(conditions: &Conditions<'_>, stop: &Stop) -> Result<Vec<CourseRow>, Error> {
+    let rows = async |range| {
+        each(&three(&[("search-range", range)])?, async |search| {
             stop.check()?;
-            Row::of(&ComparedEstimator { estimator: search.boxed_clone(), swept: None }, conditions)
+            Row::of(&ComparedEstimator { estimator: search.boxed_clone(), swept: None }, conditions).await
         })
-    });
-    let (small, large) = (small?, large?);
+        .await
+    };
+    let (small, large) = (rows(RANGES[0]).await?, rows(RANGES[1]).await?);
     let mut table =
         vec![search_space(&small), complexity(&small, &large), speed(&small), large_windows(&small, &large)];
     table.extend(accuracy(&small));
-    table.extend(large_motion(conditions, stop)?);
-    table.push(small_motion(conditions, stop)?);
+    table.extend(large_motion(conditions, stop).await?);
+    table.push(small_motion(conditions, stop).await?);
     table.push(memory(&small));
     table.push(real_time(&small, conditions)?);
     for disturbance in [Disturbance::Noise, Disturbance::Light] {
-        table.push(robustness(&small, disturbance, conditions, stop)?);
+        table.push(robustness(&small, disturbance, conditions, stop).await?);
     }
     table.push(applications());
     Ok(table)
@@ -284,7 +286,7 @@ fn accuracy(rows: &[Row; 3]) -> Vec<CourseRow> {
 }
 
 /// The share of blocks found under a long camera pan, and the candidates needed.
-fn large_motion(conditions: &Conditions<'_>, stop: &Stop) -> Result<[CourseRow; 2], Error> {
+async fn large_motion(conditions: &Conditions<'_>, stop: &Stop) -> Result<[CourseRow; 2], Error> {
     let (clip, frame) = (conditions.clip, conditions.frame);
     let (width, height) = clip.pair(frame)?[0].size();
     let pan_px = PAN.0.min(width / 4);
@@ -292,10 +294,12 @@ fn large_motion(conditions: &Conditions<'_>, stop: &Stop) -> Result<[CourseRow; 
     // As many levels as leave a block of what the pan leaves, four at most.
     let levels = (2..4).take_while(|level| (width - pan_px).min(height) >> level >= BLOCK).count() + 2;
     searches[2].set("levels", &levels.to_string())?;
-    let found = each(&searches, |search| {
+    let found = each(&searches, async |search| {
         stop.check()?;
+        work::breathe().await;
         kept_in_pan(&**search, (clip, frame), pan_px, conditions.threads)
-    })?;
+    })
+    .await?;
     let shares = found.map(|(share, _)| 100.0 * share);
     let candidates = found.map(|(_, candidates)| candidates);
     let under = format!("under a camera pan of {pan_px} px; search range ±{} px, {levels} levels", PAN.1);
@@ -335,11 +339,13 @@ fn large_motion(conditions: &Conditions<'_>, stop: &Stop) -> Result<[CourseRow; 
 }
 
 /// The share of blocks found under a short camera pan, and the candidates needed.
-fn small_motion(conditions: &Conditions<'_>, stop: &Stop) -> Result<CourseRow, Error> {
-    let found = each(&three(&[])?, |search| {
+async fn small_motion(conditions: &Conditions<'_>, stop: &Stop) -> Result<CourseRow, Error> {
+    let found = each(&three(&[])?, async |search| {
         stop.check()?;
+        work::breathe().await;
         kept_in_pan(&**search, (conditions.clip, conditions.frame), SMALL_PAN_PX, conditions.threads)
-    })?;
+    })
+    .await?;
     let [(sequential, _), (_, logarithmic), (_, hierarchical)] = found;
     Ok(CourseRow {
         feature: format!(
@@ -405,7 +411,7 @@ fn real_time(rows: &[Row; 3], conditions: &Conditions<'_>) -> Result<CourseRow, 
 }
 
 /// How the searches bear a disturbance: by the true motion where it is known, else by the displacements that stay.
-fn robustness(
+async fn robustness(
     rows: &[Row; 3],
     disturbance: Disturbance,
     conditions: &Conditions<'_>,
@@ -427,12 +433,14 @@ fn robustness(
     let has_truth = truth.is_some();
     let (what, calm, shaken) = match truth {
         Some(truth) => {
-            let shares = each(&three(&[])?, |search| {
+            let shares = each(&three(&[])?, async |search| {
                 stop.check()?;
+                work::breathe().await;
                 let disturbed = disturbed(clip, frame, disturbance)?;
                 let calm = right(search.run(clip, frame, threads)?.flow(), &truth)?;
                 Ok([calm, right(search.run(&disturbed, 0, threads)?.flow(), &truth)?])
-            })?;
+            })
+            .await?;
             let what = format!("pixels in % within 1 px of the true motion, without → with {condition}");
             (what, shares.map(|[calm, _]| calm), shares.map(|[_, shaken]| shaken))
         }

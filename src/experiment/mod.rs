@@ -14,6 +14,7 @@ pub mod side_by_side;
 pub mod source;
 pub mod suitability;
 pub mod sweeps;
+pub mod travel;
 
 use std::sync::Arc;
 

@@ -1,6 +1,5 @@
 //! The PNG painter.
 
-use std::collections::VecDeque;
 use std::io::Write;
 
 use motionscope_core::base::Error;
@@ -8,6 +7,7 @@ use motionscope_core::geometry::Grid;
 
 use super::Figure;
 use super::raster::{self, BoundedLayer};
+use crate::work;
 
 /// The longest side of an exported picture in px.
 const MAX_SIDE: u64 = 32_768;
@@ -76,7 +76,7 @@ fn paint(figure: &Figure, scale: u32, (width, height): (u32, u32)) -> Result<Vec
     Ok(bytes)
 }
 
-/// Paints strip after strip, some ahead of the one that is taken, on as many threads as there are cores.
+/// Paints strip after strip.
 fn strips(
     figure: &Figure,
     scale: u32,
@@ -84,24 +84,12 @@ fn strips(
     mut take: impl FnMut(&[u8]) -> Result<(), String>,
 ) -> Result<(), String> {
     let layers: Vec<_> = figure.layers.iter().map(BoundedLayer::new).collect();
-    let ahead = std::thread::available_parallelism().map_or(1, usize::from).min(8);
-    let mut tops = (0..height).step_by(STRIP as usize);
-    std::thread::scope(|scope| {
-        let mut painting = VecDeque::new();
-        loop {
-            while painting.len() < ahead {
-                let Some(top) = tops.next() else { break };
-                let layers = &layers;
-                let rows = (top, STRIP.min(height - top));
-                painting.push_back(scope.spawn(move || raster::strip(figure, layers, scale, rows)));
-            }
-            let Some(strip) = painting.pop_front() else { return Ok(()) };
-            match strip.join() {
-                Ok(Some(rows)) => take(&rows)?,
-                Ok(None) => return Err("it does not fit into memory".into()),
-                Err(_) => return Err("painting failed".into()),
-            }
-        }
+    let rows = (0..height).step_by(STRIP as usize).map(|top| (top, STRIP.min(height - top)));
+    let paint = |rows| raster::strip(figure, &layers, scale, rows);
+    work::in_order(rows, paint, |strip| match strip {
+        Some(Some(rows)) => take(&rows),
+        Some(None) => Err("it does not fit into memory".into()),
+        None => Err("painting failed".into()),
     })
 }
 

@@ -18,9 +18,11 @@ use super::sheet::Layout;
 use super::tile::{self, tiles};
 use crate::experiment::Prepared;
 use crate::experiment::pixel::Chosen;
+use crate::experiment::travel::travel;
 use crate::media::export::{AnimationFormat, Reel, Timing};
 use crate::media::{Progress, export};
 use crate::paint::{FlowLayer, Freehand};
+use crate::work;
 
 /// Steps of a run at which a granularity stops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -129,7 +131,7 @@ impl Steps {
     /// # Errors
     /// If the estimator never has one of the panes, the run cannot start or breaks off, a pixel that is asked for cannot be
     /// explained at the first step, no step has the layer that they must have, a file cannot be written, or the work was cancelled.
-    pub fn write(
+    pub async fn write(
         &self,
         prepared: &Prepared,
         medium: Medium<'_>,
@@ -137,11 +139,14 @@ impl Steps {
         tell: Option<&dyn Fn(usize)>,
     ) -> Result<Written, Error> {
         match medium {
-            Medium::Pictures(folder, format) => self.each(prepared, progress, tell, |rendering, layout, index| {
-                let picture = rendering.encode_in(layout, format, self.scale)?;
-                let file = folder.join(Self::file_name(index, format));
-                export::fill_folder(folder, || export::save_result(&file, &picture))
-            }),
+            Medium::Pictures(folder, format) => {
+                let save = |rendering: Rendering<'_>, layout: &mut Option<Layout>, index| {
+                    let picture = rendering.encode_in(layout, format, self.scale)?;
+                    let file = folder.join(Self::file_name(index, format));
+                    export::fill_folder(folder, || export::save_result(&file, &picture))
+                };
+                self.each(prepared, progress, tell, save).await
+            }
             Medium::Animation(path, timing) => {
                 let format = AnimationFormat::of(path)?;
                 let [r, g, b, _] = self.look.theme.chrome().panel.0;
@@ -149,9 +154,10 @@ impl Steps {
                 let mut reel = Reel::new(played, [r, g, b]);
                 let painting = progress.map(|progress| Part { progress, from: 0.0, to: PAINTING });
                 let painting = painting.as_ref().map(|part| part as &dyn Progress);
-                let mut written = self.each(prepared, painting, tell, |rendering, layout, _| {
+                let keep = |rendering: Rendering<'_>, layout: &mut Option<Layout>, _| {
                     reel.push(rendering.encode_in(layout, Format::Png, self.scale)?)
-                })?;
+                };
+                let mut written = self.each(prepared, painting, tell, keep).await?;
                 let encoding = progress.map(|progress| Part { progress, from: PAINTING, to: 1.0 });
                 let bytes = reel.encode(format, encoding.as_ref().map(|part| part as &dyn Progress))?;
                 export::save_result(path, &bytes)?;
@@ -162,7 +168,7 @@ impl Steps {
     }
 
     /// Walks through the steps and hands over each, with the layout that all sheets share and its index.
-    fn each(
+    async fn each(
         &self,
         prepared: &Prepared,
         progress: Option<&dyn Progress>,
@@ -176,15 +182,15 @@ impl Steps {
         let is_explained = self.panes.panes.contains(&&EXPLANATION);
         let mut viewer = Viewer::new(experiment, clip, &self.look, &reverse)?.with_explanation(is_explained);
         viewer.freehand.clone_from(&self.freehand);
-        self.begin(&mut *viewer.walk, progress)?;
+        self.begin(&mut *viewer.walk, progress).await?;
         self.pixel.map(|pixel| pixel.here(&*viewer.walk, clip)).transpose()?;
         let layer = self.look.layer.filter(|layer| *layer != FlowLayer::None);
         if let Some(layer) = layer.filter(|_| self.must_have_layer) {
-            self.check_layer(layer, &mut *viewer.walk, clip, progress)?;
-            self.begin(&mut *viewer.walk, progress)?;
+            self.check_layer(layer, &mut *viewer.walk, clip, progress).await?;
+            self.begin(&mut *viewer.walk, progress).await?;
         }
         if let Some(tell) = tell {
-            tell(self.count(prepared, progress)? * self.turntable.max(1) as usize);
+            tell(self.count(prepared, progress).await? * self.turntable.max(1) as usize);
         }
         let (mut written, mut layout) = (Written::default(), None);
         while viewer.walk.cursor() <= self.range.to {
@@ -194,6 +200,7 @@ impl Steps {
                 let panes = self.panes.turned(number as f32 / self.turntable.max(1) as f32);
                 let rendering = Rendering { moment: &moment, estimator, look: &self.look, panes: &panes };
                 take(rendering, &mut layout, written.count)?;
+                work::breathe().await;
                 written.add(layer.and_then(|layer| Some((layer, moment.why_without(layer)?))));
                 if progress.is_some_and(|progress| progress.cancelled()) {
                     return Err(cancelled(written.count));
@@ -206,7 +213,7 @@ impl Steps {
                 break;
             }
             let next = Move::Granularity(self.range.granularity, Direction::Forward);
-            travel(&mut *viewer.walk, next, written.count, progress)?;
+            go(&mut *viewer.walk, next, written.count, progress).await?;
         }
         viewer.walk.failure().map_or(Ok(written), |failure| Err(failure.clone()))
     }
@@ -215,37 +222,37 @@ impl Steps {
     ///
     /// # Errors
     /// If the run cannot start or ends before the first step, or the work was cancelled.
-    pub fn count(&self, prepared: &Prepared, progress: Option<&dyn Progress>) -> Result<usize, Error> {
+    pub async fn count(&self, prepared: &Prepared, progress: Option<&dyn Progress>) -> Result<usize, Error> {
         let Prepared { experiment, clip, .. } = prepared;
         let mut walk = experiment.walk(clip)?;
-        self.begin(&mut *walk, progress)?;
+        self.begin(&mut *walk, progress).await?;
         let mut count = 0;
         while walk.cursor() <= self.range.to {
             count += 1;
             if walk.at_end() {
                 break;
             }
-            travel(&mut *walk, Move::Granularity(self.range.granularity, Direction::Forward), 0, progress)?;
+            go(&mut *walk, Move::Granularity(self.range.granularity, Direction::Forward), 0, progress).await?;
         }
         Ok(count)
     }
 
     /// Goes to the first stop.
-    fn begin(&self, walk: &mut dyn Walk, progress: Option<&dyn Progress>) -> Result<(), Error> {
-        travel(walk, Move::To(self.range.from), 0, progress)?;
+    async fn begin(&self, walk: &mut dyn Walk, progress: Option<&dyn Progress>) -> Result<(), Error> {
+        go(walk, Move::To(self.range.from), 0, progress).await?;
         if walk.cursor().unit < self.range.from.unit {
             let short =
                 || Error::new(format!("the run ends at {}, before the first step {}", walk.cursor(), self.range.from));
             return Err(walk.failure().cloned().unwrap_or_else(short));
         }
         if self.range.granularity + 1 < walk.info().granularities.len() && walk.cursor().event < walk.events() {
-            travel(walk, Move::Granularity(self.range.granularity, Direction::Forward), 0, progress)?;
+            go(walk, Move::Granularity(self.range.granularity, Direction::Forward), 0, progress).await?;
         }
         Ok(())
     }
 
     /// Refuses a layer that none of the steps has; looks at the last one before those between, because most have it there.
-    fn check_layer(
+    async fn check_layer(
         &self,
         layer: FlowLayer,
         walk: &mut dyn Walk,
@@ -257,15 +264,15 @@ impl Steps {
             AvailableLayers::at(Site { walk, clip, scene: &scene }).why_not(layer)
         };
         let Some(why) = why_not(walk) else { return Ok(()) };
-        travel(walk, Move::To(self.range.to), 0, progress)?;
+        go(walk, Move::To(self.range.to), 0, progress).await?;
         let at_last = why_not(walk);
         if at_last.is_some() && !layer.is_of_the_end() {
-            self.begin(walk, progress)?;
+            self.begin(walk, progress).await?;
             while !walk.at_end() && walk.cursor() <= self.range.to {
                 if why_not(walk).is_none() {
                     return Ok(());
                 }
-                travel(walk, Move::Granularity(self.range.granularity, Direction::Forward), 0, progress)?;
+                go(walk, Move::Granularity(self.range.granularity, Direction::Forward), 0, progress).await?;
             }
         }
         let refused = format!("none of these steps has the layer {}: {why}; choose another --layer", layer.id());
@@ -294,9 +301,9 @@ impl Progress for Part<'_> {
 }
 
 /// Makes a move of `walk` unless it is cancelled, after so many pictures were `written`.
-fn travel(walk: &mut dyn Walk, to: Move, written: usize, progress: Option<&dyn Progress>) -> Result<(), Error> {
+async fn go(walk: &mut dyn Walk, to: Move, written: usize, progress: Option<&dyn Progress>) -> Result<(), Error> {
     let is_wanted = || !progress.is_some_and(|progress| progress.cancelled());
-    if walk.jump_while(to, &is_wanted) { Ok(()) } else { Err(cancelled(written)) }
+    if travel(walk, to, &is_wanted).await { Ok(()) } else { Err(cancelled(written)) }
 }
 
 fn cancelled(written: usize) -> Error {

@@ -11,6 +11,7 @@ use super::moment::Viewer;
 use super::motion::Reverse;
 use super::panes::Selection;
 use super::rendering::Rendering;
+use crate::experiment::travel::travel;
 use crate::experiment::{Experiment, interest};
 use crate::paint::{FocusMode, View};
 
@@ -26,13 +27,13 @@ const UNIT: usize = 7;
 ///
 /// # Errors
 /// If it cannot run there, or not within the memory that there is, or if `stop` is set.
-pub fn of_result(experiment: &Experiment, clip: &Clip, look: &Look, stop: &Stop) -> Result<Grid<[u8; 3]>, Error> {
+pub async fn of_result(experiment: &Experiment, clip: &Clip, look: &Look, stop: &Stop) -> Result<Grid<[u8; 3]>, Error> {
     let view = look.view.filter(|view| view.is_of_the_end());
     let look = Look { view, focus: FocusMode::Off, streaks: None, legend: false, caption: CaptionWords::Off, ..*look };
     let (width, _) = clip.size();
     let scale = (RESULT_PX / width.max(1)).clamp(1, MOST_SCALE) as u32;
-    let to_end = |walk: &mut dyn Walk| go(walk, Move::End, stop);
-    Still { experiment, clip, look: &look, scale }.at(to_end, |_| look.view)
+    let to_end = async |walk: &mut dyn Walk| go(walk, Move::End, stop).await;
+    Still { experiment, clip, look: &look, scale }.at(to_end, |_| look.view).await
 }
 
 /// Runs `experiment` on `clip` to the middle of its unit of most interest, and returns its picture there, at one pixel for each pixel of
@@ -40,19 +41,19 @@ pub fn of_result(experiment: &Experiment, clip: &Clip, look: &Look, stop: &Stop)
 ///
 /// # Errors
 /// As [`of_result`].
-pub fn of_step(experiment: &Experiment, clip: &Clip, look: &Look, stop: &Stop) -> Result<Grid<[u8; 3]>, Error> {
-    let to_step = |walk: &mut dyn Walk| {
+pub async fn of_step(experiment: &Experiment, clip: &Clip, look: &Look, stop: &Stop) -> Result<Grid<[u8; 3]>, Error> {
+    let to_step = async |walk: &mut dyn Walk| {
         let opening = interest::opening(walk, clip, experiment.frame);
         let unit = opening.map_or(UNIT, |opening| opening.unit);
-        go(walk, Move::To(Cursor { unit, event: usize::MAX }), stop)?;
+        go(walk, Move::To(Cursor { unit, event: usize::MAX }), stop).await?;
         if experiment.estimator.tests_candidates() {
             // At the end the block has its vector, and its candidates are no longer drawn.
             let half = Cursor { event: walk.events() / 2, ..walk.cursor() };
-            go(walk, Move::To(half), stop)?;
+            go(walk, Move::To(half), stop).await?;
         }
         Ok(())
     };
-    Still { experiment, clip, look, scale: 1 }.at(to_step, |scene| Some(where_it_searches(scene)))
+    Still { experiment, clip, look, scale: 1 }.at(to_step, |scene| Some(where_it_searches(scene))).await
 }
 
 /// A run that is drawn once.
@@ -66,16 +67,16 @@ struct Still<'a> {
 
 impl Still<'_> {
     /// The picture where `walk` takes the run, in the view that is chosen for its scene.
-    fn at(
+    async fn at(
         &self,
-        walk: impl FnOnce(&mut dyn Walk) -> Result<(), Error>,
+        walk: impl AsyncFnOnce(&mut dyn Walk) -> Result<(), Error>,
         view: impl FnOnce(&Scene) -> Option<View>,
     ) -> Result<Grid<[u8; 3]>, Error> {
         let &Self { experiment, clip, look, scale } = self;
         let estimator = &*experiment.estimator;
         let reverse = Reverse::new(estimator, clip, experiment.frame);
         let mut viewer = Viewer::new(experiment, clip, look, &reverse)?.with_explanation(false);
-        walk(&mut *viewer.walk)?;
+        walk(&mut *viewer.walk).await?;
         let moment = &viewer.moment(None)?;
         let look = &Look { view: view(&moment.scene), ..*look };
         Rendering { moment, estimator, look, panes: &Selection::default() }.pixels(scale)
@@ -83,8 +84,8 @@ impl Still<'_> {
 }
 
 /// Makes a move, unless `stop` is set or the run fails.
-fn go(walk: &mut dyn Walk, to: Move, stop: &Stop) -> Result<(), Error> {
-    if !walk.jump_while(to, &|| !stop.is_set()) {
+async fn go(walk: &mut dyn Walk, to: Move, stop: &Stop) -> Result<(), Error> {
+    if !travel(walk, to, &|| !stop.is_set()).await {
         stop.check()?;
     }
     walk.failure().map_or(Ok(()), |failure| Err(failure.clone()))
@@ -106,6 +107,7 @@ mod tests {
     use super::*;
     use crate::experiment::source::Source;
     use crate::media::Open;
+    use crate::work;
 
     fn of<T>(id: &str, draw: impl FnOnce(&Experiment, &Clip) -> T) -> T {
         let source = Source::parse("synth:pillar,width=96,height=64,frames=2").expect("a sample");
@@ -114,7 +116,7 @@ mod tests {
     }
 
     fn result(id: &str, stop: &Stop) -> Result<Grid<[u8; 3]>, Error> {
-        of(id, |experiment, clip| of_result(experiment, clip, &Look::of_window(), stop))
+        of(id, |experiment, clip| work::finish(of_result(experiment, clip, &Look::of_window(), stop)))
     }
 
     #[test]
@@ -127,7 +129,9 @@ mod tests {
 
     #[test]
     fn a_step_is_not_the_result() {
-        let step = of("diamond", |experiment, clip| of_step(experiment, clip, &Look::of_window(), &Stop::default()));
+        let step = of("diamond", |experiment, clip| {
+            work::finish(of_step(experiment, clip, &Look::of_window(), &Stop::default()))
+        });
         let step = step.expect("it runs");
         assert!(step.size().0 >= 96, "frame t + 1, or a part of it enlarged");
         assert_ne!(step, result("diamond", &Stop::default()).expect("it runs"));

@@ -98,7 +98,7 @@ impl App {
         self.dialogs.overlay = Overlay::Save(Box::new(state));
     }
 
-    /// Saves on another thread and reports the outcome.
+    /// Has a task save and report the outcome.
     pub fn write(&mut self, order: Order) {
         let Some(shown) = self.inked() else { return };
         if self.exports.writing.is_some() {
@@ -113,43 +113,51 @@ impl App {
         // Its file is not removed while it is read.
         let kept = self.recorder.last.clone();
         let work: Work = match order.what {
-            OutputKind::Picture => Box::new(move |order, _| writer::picture(order, &shown)),
+            OutputKind::Picture => Box::new(move |order, _| Box::pin(async move { writer::picture(order, &shown) })),
             OutputKind::Steps(..) | OutputKind::Animation(..) => {
                 let freehand = self.presentation.pen.freehand(&shown.subject);
-                Box::new(move |order, progress| writer::steps(order, (&shown, freehand), progress))
+                Box::new(move |order, progress| {
+                    Box::pin(async move { writer::steps(order, (&shown, freehand), progress).await })
+                })
             }
             OutputKind::Clip(format) => {
                 self.recorder.saving = Saving::of(&shown.subject, &order.path, format);
-                Box::new(move |order, progress| writer::clip(order, &shown, progress))
+                Box::new(move |order, progress| Box::pin(async move { writer::clip(order, &shown, progress) }))
             }
             OutputKind::Handout(_) => {
                 let Some(lesson) = self.course.lesson.as_ref().map(|open| open.lesson().clone()) else { return };
-                Box::new(move |order, progress| paper::handout(order, &lesson, progress))
+                Box::new(move |order, progress| Box::pin(async move { paper::handout(order, &lesson, progress) }))
             }
             OutputKind::Worksheet { .. } => {
                 let page = self.course.printed_page(&shown);
-                Box::new(move |order, progress| paper::worksheet(order, &shown, page.as_ref(), progress))
+                Box::new(move |order, progress| {
+                    Box::pin(async move { paper::worksheet(order, &shown, page.as_ref(), progress) })
+                })
             }
             OutputKind::Session => {
                 let session = self.session(&shown);
-                Box::new(move |order, _| save_session(&session, &order.path))
+                Box::new(move |order, _| Box::pin(async move { save_session(&session, &order.path) }))
             }
             OutputKind::Scores => {
                 let scores = Score::csv(self.run.predict.scores());
                 Box::new(move |order, _| {
-                    export::save_result(&order.path, scores.as_bytes())?;
-                    Ok(format!("Saved {}.", order.path.display()))
+                    Box::pin(async move {
+                        export::save_result(&order.path, scores.as_bytes())?;
+                        Ok(format!("Saved {}.", order.path.display()))
+                    })
                 })
             }
             OutputKind::Result(export) => {
                 let output = self.run.walker.output(&shown);
-                Box::new(move |order, progress| writer::result(&order.path, export, &output, progress))
+                Box::new(move |order, progress| {
+                    Box::pin(async move { writer::result(&order.path, export, &output, progress).await })
+                })
             }
         };
-        self.exports.writing = Some(Writing::new(folder, changed, move |progress| {
+        self.exports.writing = Some(Writing::new(folder, changed, async move |progress| {
             let _kept = kept;
             writer::refuse_losses(&order, &inputs)?;
-            work(&order, progress)
+            work(&order, progress).await
         }));
     }
 

@@ -112,7 +112,7 @@ impl State {
     fn list(&mut self, ctx: &egui::Context) {
         self.close();
         let (cameras, ctx) = (Arc::clone(&self.cameras), ctx.clone());
-        let work = move |_: &Arc<_>| Ok(cameras.list());
+        let work = async move |_: &Arc<_>| Ok(cameras.list());
         self.listing = Some(Background::new("list the cameras", move || ctx.request_repaint(), work));
     }
 
@@ -207,7 +207,7 @@ impl State {
         self.refused = None;
         let Some(format) = self.live().and_then(|live| live.camera().format()) else { return };
         let (name, ctx) = (self.name.clone(), ctx.clone());
-        let work = move |_: &Arc<_>| keep(&format, &shots, &name);
+        let work = async move |_: &Arc<_>| keep(&format, &shots, &name);
         self.keeping = Some(Background::new("keep the recording", move || ctx.request_repaint(), work));
     }
 

@@ -190,12 +190,10 @@ fn subject(ui: &mut Ui, state: &mut State, document: &Document) {
             state.course = Some(Background::new(
                 "measure",
                 move || ctx.request_repaint(),
-                move |control| {
+                async move |control| {
                     let (clip, threads) = (clip.until(control.stop.clone()), Threads::single());
-                    course_table::course_table(
-                        &Conditions { clip: &clip, frame, threads: &threads, repeats: Repeats::AsUsual },
-                        &control.stop,
-                    )
+                    let conditions = Conditions { clip: &clip, frame, threads: &threads, repeats: Repeats::AsUsual };
+                    course_table::course_table(&conditions, &control.stop).await
                 },
             ));
         }

@@ -7,6 +7,7 @@ use eframe::egui::text::{CCursor, CCursorRange};
 use eframe::egui::{self, FocusDirection, Id, Key, Modifiers, RichText, TextEdit, Ui};
 
 use crate::ui::parts::widgets;
+use crate::work;
 
 /// Entries of a folder that are looked at.
 const MOST_ENTRIES: usize = 20_000;
@@ -182,19 +183,19 @@ impl PathField {
         self.look_up(ui.ctx().clone());
     }
 
-    /// Reads the folder on a thread of its own.
+    /// Has a task read the folder.
     fn look_up(&mut self, ctx: egui::Context) {
         let typed = Typed::of(&self.text);
         self.text = typed.text();
         let (sender, receiver) = channel();
         let wanted = typed.clone();
-        let work = move || {
+        let look = async move || {
             // The dialog may be closed by now.
             sender.send(names(&wanted)).ok();
             ctx.request_repaint();
         };
-        // Without a thread nothing is completed.
-        if std::thread::Builder::new().name("complete a path".into()).spawn(work).is_ok() {
+        // Without a task nothing is completed.
+        if work::spawn("complete a path", look).is_ok() {
             self.completion = Completion { coming: Some((receiver, typed)), ..Completion::default() };
         }
     }

@@ -310,7 +310,7 @@ impl State {
         }
     }
 
-    /// How many pictures the range comes to, in words; they are counted on a thread of their own.
+    /// How many pictures the range comes to, in words; they are counted by a task.
     fn counted(&mut self, ctx: &egui::Context) -> Option<String> {
         let order = self.order().map(|Order { what, scale, look, panes, .. }| (what, scale, look, panes));
         let (range, scale, look, panes) = match order {
@@ -329,7 +329,7 @@ impl State {
             let work = Background::new(
                 "count the steps",
                 move || ctx.request_repaint(),
-                move |control| steps.count(&subject, Some(&**control)),
+                async move |control| steps.count(&subject, Some(&**control)).await,
             );
             self.counting = Some((range, work));
         }

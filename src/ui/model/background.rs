@@ -1,4 +1,4 @@
-//! Work on a thread of its own that comes to one outcome: it tells how far it is, and is given up when nobody wants it.
+//! A task that comes to one outcome: it tells how far it is, and is given up when nobody wants it.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use motionscope_core::base::{Error, Stop};
 
 use crate::media::Progress;
+use crate::work;
 
 /// What passes between the work and whoever waits for it.
 pub struct Control {
@@ -38,21 +39,21 @@ pub struct Background<T> {
 }
 
 impl<T: Send + 'static> Background<T> {
-    /// Has `work` done, which is for `purpose`: `open the clip`. `changed` is called from its thread whenever there is news.
+    /// Has `work` done, which is for `purpose`: `open the clip`. `changed` is called by the task whenever there is news.
     pub fn new(
         purpose: &str,
         changed: impl Fn() + Send + Sync + 'static,
-        work: impl FnOnce(&Arc<Control>) -> Result<T, Error> + Send + 'static,
+        work: impl AsyncFnOnce(&Arc<Control>) -> Result<T, Error> + Send + 'static,
     ) -> Self {
         let control = Control { stop: Stop::default(), fraction: AtomicU32::new(0), changed: Box::new(changed) };
         let new = Self { control: Arc::new(control), outcome: Arc::default() };
         let (control, outcome) = (Arc::clone(&new.control), Arc::clone(&new.outcome));
-        let run = move || {
-            let result = work(&control);
+        let run = async move || {
+            let result = work(&control).await;
             *lock(&outcome) = Some(result);
             (control.changed)();
         };
-        if let Err(error) = std::thread::Builder::new().name(purpose.to_owned()).spawn(run) {
+        if let Err(error) = work::spawn(purpose, run) {
             *lock(&new.outcome) = Some(Err(Error::new(format!(
                 "no thread could be started to {purpose} ({error}); close other programs and try again"
             ))));
@@ -105,7 +106,7 @@ mod tests {
         let work = Background::new(
             "count",
             move || news.send(()).unwrap_or_default(),
-            move |control| {
+            async move |control| {
                 control.report(0.5);
                 wait.recv().map_err(|_| Error::new("nobody waits"))?;
                 Ok(if control.cancelled() { 0 } else { 7 })
@@ -124,7 +125,7 @@ mod tests {
         let work = Background::new(
             "count",
             move || news.send(()).unwrap_or_default(),
-            |control| {
+            async |control| {
                 (1..=5000).for_each(|step| control.report(step as f32 / 5000.0));
                 Ok(())
             },
@@ -140,9 +141,9 @@ mod tests {
         drop(Background::new(
             "wait",
             || {},
-            move |control| {
+            async move |control| {
                 while !control.cancelled() {
-                    std::thread::yield_now();
+                    work::breathe().await;
                 }
                 stopped.send(()).map_err(|_| Error::new("nobody waits"))
             },

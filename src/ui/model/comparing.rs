@@ -1,4 +1,4 @@
-//! A comparison on a thread of its own, which delivers rows one by one, and then a picture of each result.
+//! A comparison as a task, which delivers rows one by one, and then a picture of each result.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -56,20 +56,20 @@ impl Comparing {
             let ctx = ctx.clone();
             move || ctx.request_repaint()
         };
-        let work = Background::new("compare", changed, move |control| {
+        let work = Background::new("compare", changed, async move |control| {
             let add = |row| {
                 let mut made = lock(&done);
                 made.rows.push(Arc::new(row));
                 control.report(made.rows.len() as f32 / total as f32);
             };
-            compare(&plan, add, &control.stop)?;
+            compare(&plan, add, &control.stop).await?;
             let show = |picture: Result<Grid<[u8; 3]>, Error>| {
                 let picture =
                     picture.map(|pixels| ctx.load_texture("result", color_image(&pixels), TextureOptions::LINEAR));
                 lock(&done).pictures.push(picture);
                 ctx.request_repaint();
             };
-            pictures(&plan, show, &control.stop)
+            pictures(&plan, show, &control.stop).await
         });
         Self { made, work, names }
     }
@@ -104,7 +104,7 @@ fn lock(made: &Mutex<Made>) -> MutexGuard<'_, Made> {
     made.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-fn compare(plan: &Plan, add: impl Fn(Row), stop: &Stop) -> Result<(), Error> {
+async fn compare(plan: &Plan, add: impl Fn(Row), stop: &Stop) -> Result<(), Error> {
     // Times are told for one thread, as the command line does unless told otherwise.
     let threads = Threads::single();
     for round in &plan.rounds {
@@ -112,7 +112,7 @@ fn compare(plan: &Plan, add: impl Fn(Row), stop: &Stop) -> Result<(), Error> {
         for compared in &round.compared_estimators {
             stop.check()?;
             let (frame, repeats) = (plan.prepared.experiment.frame, Repeats::AsUsual);
-            add(Row::of(compared, &Conditions { clip: &clip, frame, threads: &threads, repeats })?);
+            add(Row::of(compared, &Conditions { clip: &clip, frame, threads: &threads, repeats }).await?);
         }
     }
     Ok(())
@@ -129,7 +129,7 @@ fn clip(plan: &Plan, round: &Round, stop: &Stop) -> Result<Clip, Error> {
 }
 
 /// Makes the pictures of a comparison without a sweep.
-fn pictures(plan: &Plan, show: impl Fn(Result<Grid<[u8; 3]>, Error>), stop: &Stop) -> Result<(), Error> {
+async fn pictures(plan: &Plan, show: impl Fn(Result<Grid<[u8; 3]>, Error>), stop: &Stop) -> Result<(), Error> {
     let [round] = &plan.rounds[..] else { return Ok(()) };
     let clip = clip(plan, round, stop)?;
     for compared in round.compared_estimators.iter().filter(|compared| compared.swept.is_none()) {
@@ -140,7 +140,7 @@ fn pictures(plan: &Plan, show: impl Fn(Result<Grid<[u8; 3]>, Error>), stop: &Sto
             frame: plan.prepared.experiment.frame,
             ..Experiment::new(round.source.clone(), estimator)
         };
-        show(still::of_result(&alone, &clip, &plan.look, stop));
+        show(still::of_result(&alone, &clip, &plan.look, stop).await);
     }
     Ok(())
 }

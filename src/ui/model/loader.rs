@@ -1,4 +1,4 @@
-//! Opening of clips and sessions on a thread of its own, with progress and cancellation.
+//! Opening of clips and sessions as a task, with progress and cancellation.
 
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
@@ -50,10 +50,10 @@ pub struct Loading {
 
 impl Loading {
     /// Starts opening `name`: a clip, a session, or ground truth or detections for the open clip `beside`, which is reopened with it. `changed` is
-    /// called from another thread on progress.
+    /// called by the task on progress.
     pub fn new(name: OsString, beside: Option<Beside>, changed: impl Fn() + Send + Sync + 'static) -> Self {
         let wanted = name.clone();
-        let work = Background::new("open the clip", changed, move |control| {
+        let work = Background::new("open the clip", changed, async move |control| {
             open(&wanted, beside, Arc::clone(control) as Arc<dyn Progress>)
         });
         Self { name, description: None, work }
@@ -65,7 +65,7 @@ impl Loading {
     pub fn right_view(path: OsString, beside: Beside, changed: impl Fn() + Send + Sync + 'static) -> Self {
         let Beside { source, given } = beside;
         let given = Given { right: Some(RightView::of(Path::new(&path))), ..given };
-        let work = Background::new("open the clip", changed, move |control| {
+        let work = Background::new("open the clip", changed, async move |control| {
             opened(Named { source, given, session: None }, None, Arc::clone(control) as Arc<dyn Progress>)
         });
         Self { name: path, description: None, work }

@@ -1,4 +1,4 @@
-//! Pictures of the bundled samples, made on a thread of their own when they are first asked for: a still of each, and a film
+//! Pictures of the bundled samples, made by a task when they are first asked for: a still of each, and a film
 //! of the one that is played.
 
 use std::sync::Arc;
@@ -10,6 +10,7 @@ use motionscope_core::data::Clip;
 use motionscope_core::synth::{SCENES, Sample};
 
 use super::step_pictures::StepPictures;
+use crate::work::{self, Signal};
 
 /// Width and height of a picture in pixels.
 pub const PICTURE_PX: (usize, usize) = (240, 180);
@@ -20,12 +21,14 @@ const TIMES: usize = 3;
 /// The number of no order.
 const NONE: usize = usize::MAX;
 
-/// What the thread is asked for.
+/// What the task is asked for.
 enum Order {
     /// The still of the sample with this number.
     Still(usize),
     /// The film of a sample, and the number of the order.
     Film(usize, usize),
+    /// Nothing any more.
+    Quit,
 }
 
 /// What it has made.
@@ -100,8 +103,10 @@ impl Film {
     }
 }
 
-/// The thread that makes pictures.
+/// The task that makes pictures.
 struct Maker {
+    /// Tells the task that there is an order.
+    ordered: Arc<Signal>,
     orders: Sender<Order>,
     made: Receiver<Made>,
     /// The order of the film that is wanted; every other film is left out or left unfinished.
@@ -169,7 +174,7 @@ impl Previews {
         self.stills.resize_with(SCENES.len(), Still::default);
         let is_asked = self.stills.get_mut(of).map(|still| std::mem::replace(&mut still.is_asked, true));
         if is_asked == Some(false) && !self.ask(ctx, Order::Still(of)) {
-            // Without a thread there are no pictures, only words.
+            // Without a task there are no pictures, only words.
             self.stills[of].is_done = true;
         }
         self.stills.get(of)?.texture.as_ref()
@@ -209,42 +214,60 @@ impl Previews {
         asked.peek().is_some() && asked.all(|still| still.is_done)
     }
 
-    /// Gives `order` to the thread; returns whether there is one.
+    /// Gives `order` to the task; returns whether there is one.
     fn ask(&mut self, ctx: &Context, order: Order) -> bool {
         let maker = self.maker.get_or_insert_with(|| start(ctx.clone()));
         if let Order::Film(_, number) = order {
             maker.wanted.store(number, Ordering::Relaxed);
         }
-        maker.orders.send(order).is_ok()
+        maker.order(order)
+    }
+}
+
+impl Maker {
+    fn order(&self, order: Order) -> bool {
+        let is_heard = self.orders.send(order).is_ok();
+        self.ordered.notify();
+        is_heard
+    }
+}
+
+impl Drop for Maker {
+    fn drop(&mut self) {
+        self.wanted.store(NONE, Ordering::Relaxed);
+        self.order(Order::Quit);
     }
 }
 
 fn start(ctx: Context) -> Maker {
     let (orders, waiting) = channel();
     let (sender, made) = channel();
-    let wanted = Arc::new(AtomicUsize::new(NONE));
-    let still_wanted = Arc::clone(&wanted);
-    let work = move || {
+    let (wanted, ordered) = (Arc::new(AtomicUsize::new(NONE)), Arc::<Signal>::default());
+    let (still_wanted, has_order) = (Arc::clone(&wanted), Arc::clone(&ordered));
+    let work = async move || {
         let send = |made: Made| {
             let is_heard = sender.send(made).is_ok();
             ctx.request_repaint();
             is_heard
         };
-        for order in waiting {
-            match order {
+        loop {
+            match has_order.until(|| waiting.try_recv().ok()).await {
                 Order::Still(of) => _ = send(Made::Still(of, still(of))),
                 Order::Film(of, number) => {
                     let is_wanted = || still_wanted.load(Ordering::Relaxed) == number;
-                    let is_whole = is_wanted() && film(of, |image| is_wanted() && send(Made::Picture(number, image)));
-                    if is_whole {
+                    let next = |image| is_wanted() && send(Made::Picture(number, image));
+                    if is_wanted() && film(of, next).await {
                         send(Made::End(number));
                     }
                 }
+                Order::Quit => return,
             }
+            work::breathe().await;
         }
     };
-    drop(std::thread::Builder::new().name("sample clips".into()).spawn(work));
-    Maker { orders, made, wanted }
+    // Without a task nobody hears of an order.
+    drop(work::spawn("sample clips", work));
+    Maker { ordered, orders, made, wanted }
 }
 
 fn still(of: usize) -> Option<ColorImage> {
@@ -253,9 +276,15 @@ fn still(of: usize) -> Option<ColorImage> {
 }
 
 /// Makes the pictures of a film as long as `next` takes them; returns whether it took all that can be made.
-fn film(of: usize, next: impl FnMut(ColorImage) -> bool) -> bool {
+async fn film(of: usize, mut next: impl FnMut(ColorImage) -> bool) -> bool {
     let Some((clip, frames)) = SCENES.get(of).and_then(small) else { return true };
-    (0..frames).map_while(|number| picture(&clip, number)).all(next)
+    for image in (0..frames).map_while(|number| picture(&clip, number)) {
+        if !next(image) {
+            return false;
+        }
+        work::breathe().await;
+    }
+    true
 }
 
 /// The clip of a sample in small, and its number of frames.
@@ -355,7 +384,8 @@ mod tests {
         assert!(!previews.is_complete());
         let (orders, _waiting) = channel();
         let (sender, made) = channel();
-        previews.maker = Some(Maker { orders, made, wanted: Arc::new(AtomicUsize::new(NONE)) });
+        previews.maker =
+            Some(Maker { ordered: Arc::default(), orders, made, wanted: Arc::new(AtomicUsize::new(NONE)) });
         sender.send(Made::Still(0, None)).expect("it is heard");
         previews.receive(&Context::default());
         assert!(previews.is_complete());

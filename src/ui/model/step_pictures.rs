@@ -1,5 +1,4 @@
-//! Small pictures of the estimators at work, each of a step of its example of success. They are made one at a time on a thread of their
-//! own, only of the estimators in sight, and kept for the session.
+//! Small pictures of the estimators at work, each of a step of its example of success. They are made one at a time by a task, only of the estimators in sight, and kept for the session.
 
 use std::collections::BTreeMap;
 
@@ -75,11 +74,15 @@ impl StepPictures {
 }
 
 fn start(id: &'static str, ctx: Context) -> Background<ColorImage> {
-    Background::new("draw an estimator", move || ctx.request_repaint(), move |control| picture(id, &control.stop))
+    Background::new(
+        "draw an estimator",
+        move || ctx.request_repaint(),
+        async move |control| picture(id, &control.stop).await,
+    )
 }
 
 /// The picture of a step of the estimator `id`.
-fn picture(id: &str, stop: &Stop) -> Result<ColorImage, Error> {
+async fn picture(id: &str, stop: &Stop) -> Result<ColorImage, Error> {
     let works = examples::of(id).find(|example| !example.is_failure());
     let works = works.ok_or_else(|| Error::new(format!("{id} has no example of success")))?;
     let mut experiment = example::session(id, works)?.experiment;
@@ -88,5 +91,5 @@ fn picture(id: &str, stop: &Stop) -> Result<ColorImage, Error> {
     }
     let clip = experiment.source.open(&Open::default())?.clip.until(stop.clone());
     let look = Look { theme: Theme::Dark, focus: FocusMode::On, ..Look::default() };
-    Ok(color_image(&still::of_step(&experiment, &clip, &look, stop)?))
+    Ok(color_image(&still::of_step(&experiment, &clip, &look, stop).await?))
 }

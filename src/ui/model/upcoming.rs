@@ -2,8 +2,7 @@
 //!
 //! There is such a run only as long as an [`Upcoming`] exists: nothing is worked out that is not looked at.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use motionscope_core::base::{Error, Stop};
 use motionscope_core::run::{Cursor, Direction, Move, Walk};
@@ -12,6 +11,8 @@ use motionscope_core::scene::{Focus, Sentence, Step};
 use super::snapshot::Snapshot;
 use crate::experiment::Prepared;
 use crate::experiment::pixel::is_explained;
+use crate::experiment::travel::travel;
+use crate::work::{self, Signal};
 
 /// The step after one that is shown.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,8 +73,7 @@ impl Mailbox {
 
 struct Shared {
     mailbox: Mutex<Mailbox>,
-    wake: Condvar,
-    idle: Condvar,
+    wake: Signal,
     /// The work in hand is not wanted any more.
     superseded: Stop,
     /// No frames need to be decoded any more.
@@ -87,25 +87,24 @@ impl Shared {
     }
 }
 
-/// A thread that knows the step after the one that is shown.
+/// A task that knows the step after the one that is shown.
 pub struct Upcoming(Arc<Shared>);
 
 impl Upcoming {
-    /// Starts the thread; `changed` is called from it whenever a step was found.
+    /// Starts the task; `changed` is called by it whenever a step was found.
     ///
     /// # Errors
     /// If the system gives no thread.
     pub fn new(changed: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
         let shared = Arc::new(Shared {
             mailbox: Mutex::default(),
-            wake: Condvar::new(),
-            idle: Condvar::new(),
+            wake: Signal::default(),
             superseded: Stop::default(),
             stop: Stop::default(),
             changed: Box::new(changed),
         });
         let worker = Arc::clone(&shared);
-        std::thread::Builder::new().name("upcoming".into()).spawn(move || Worker::default().run(&worker))?;
+        work::spawn("upcoming", async move || Worker::default().run(&worker).await)?;
         Ok(Self(shared))
     }
 
@@ -116,7 +115,8 @@ impl Upcoming {
         if !mailbox.is_asked(&wanted) {
             mailbox.wanted = Some(wanted);
             self.0.superseded.set(true);
-            self.0.wake.notify_one();
+            drop(mailbox);
+            self.0.wake.notify();
         }
     }
 
@@ -127,10 +127,12 @@ impl Upcoming {
         of.is_same(&Wanted::of(shown)).then(|| next.clone())
     }
 
-    /// Waits until nothing is left to do.
+    /// Waits until nothing is left to do, for tests.
     pub fn wait(&self) {
-        let is_busy = |mailbox: &mut Mailbox| mailbox.wanted.is_some() || mailbox.working.is_some();
-        drop(self.0.idle.wait_while(self.0.mailbox(), is_busy));
+        let is_busy = |mailbox: MutexGuard<'_, Mailbox>| mailbox.wanted.is_some() || mailbox.working.is_some();
+        while is_busy(self.0.mailbox()) {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
     }
 }
 
@@ -139,7 +141,7 @@ impl Drop for Upcoming {
         self.0.mailbox().quit = true;
         self.0.superseded.set(true);
         self.0.stop.set(true);
-        self.0.wake.notify_one();
+        self.0.wake.notify();
     }
 }
 
@@ -150,9 +152,9 @@ struct Worker {
 }
 
 impl Worker {
-    fn run(mut self, shared: &Shared) {
-        while let Some(wanted) = next_task(shared) {
-            let found = catch_unwind(AssertUnwindSafe(|| self.find(&wanted, shared)));
+    async fn run(mut self, shared: &Shared) {
+        while let Some(wanted) = shared.wake.until(|| next_task(shared)).await {
+            let found = work::caught(self.find(&wanted, shared)).await;
             let failed = || Error::new("the computation broke off; close the presenter's window and open it again");
             let found = found.unwrap_or_else(|_| {
                 self.run = None;
@@ -169,7 +171,7 @@ impl Worker {
     }
 
     /// The step after `wanted`; nothing where another one is wanted more.
-    fn find(&mut self, wanted: &Wanted, shared: &Shared) -> Option<Result<Option<Next>, Error>> {
+    async fn find(&mut self, wanted: &Wanted, shared: &Shared) -> Option<Result<Option<Next>, Error>> {
         if self.run.as_ref().is_none_or(|(subject, _)| !Arc::ptr_eq(subject, &wanted.subject)) {
             // The memory of the old run is given back before a new one takes its own.
             self.run = None;
@@ -180,14 +182,14 @@ impl Worker {
             }
         }
         let (_, walk) = self.run.as_mut()?;
-        step_after(&mut **walk, wanted, &shared.superseded)
+        step_after(&mut **walk, wanted, &shared.superseded).await
     }
 }
 
 /// Goes to the step after `wanted`, as a key press does, which passes over steps at which nothing happens.
-fn step_after(walk: &mut dyn Walk, wanted: &Wanted, superseded: &Stop) -> Option<Result<Option<Next>, Error>> {
+async fn step_after(walk: &mut dyn Walk, wanted: &Wanted, superseded: &Stop) -> Option<Result<Option<Next>, Error>> {
     let is_wanted = || !superseded.is_set();
-    if walk.cursor() != wanted.cursor && !walk.jump_while(Move::To(wanted.cursor), &is_wanted) {
+    if walk.cursor() != wanted.cursor && !travel(walk, Move::To(wanted.cursor), &is_wanted).await {
         return None;
     }
     if walk.at_end() {
@@ -196,7 +198,7 @@ fn step_after(walk: &mut dyn Walk, wanted: &Wanted, superseded: &Stop) -> Option
     let on = Move::Granularity(wanted.granularity, Direction::Forward);
     loop {
         let before = walk.cursor();
-        if !walk.jump_while(on, &is_wanted) {
+        if !travel(walk, on, &is_wanted).await {
             return None;
         }
         if !walk.is_idle() || walk.at_end() || walk.cursor() == before {
@@ -210,21 +212,16 @@ fn step_after(walk: &mut dyn Walk, wanted: &Wanted, superseded: &Stop) -> Option
     Some(Ok(Some(Next { cursor: walk.cursor(), step: Arc::new(walk.step(focus)) })))
 }
 
-/// The next thing to do, or `None` at the end.
-fn next_task(shared: &Shared) -> Option<Wanted> {
+/// The next thing to do, if there is one; `Some(None)` at the end.
+fn next_task(shared: &Shared) -> Option<Option<Wanted>> {
     let mut mailbox = shared.mailbox();
-    loop {
-        if mailbox.quit {
-            return None;
-        }
-        if let Some(wanted) = mailbox.wanted.take() {
-            mailbox.working = Some(wanted.clone());
-            shared.superseded.set(false);
-            return Some(wanted);
-        }
-        shared.idle.notify_all();
-        mailbox = shared.wake.wait(mailbox).unwrap_or_else(PoisonError::into_inner);
+    if mailbox.quit {
+        return Some(None);
     }
+    let wanted = mailbox.wanted.take()?;
+    mailbox.working = Some(wanted.clone());
+    shared.superseded.set(false);
+    Some(Some(wanted))
 }
 
 #[cfg(test)]

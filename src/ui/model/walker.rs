@@ -1,7 +1,7 @@
-//! A run on its own thread: moves go in, immutable pictures of the run come out.
+//! A run as a task: moves go in, immutable pictures of the run come out.
 //!
 //! Nothing here knows the window. A request never waits for an earlier one that takes long: it replaces it. What cannot be
-//! interrupted is left behind: another thread takes over, with what was shown last, and the old one ends when it can.
+//! interrupted is left behind: another task takes over, with what was shown last, and the old one ends when it can.
 //!
 //! A snapshot holds the experiment (`Prepared`) and the `Moment` shown; files are saved from it, never from settings changed
 //! since. A long move runs in slices, each of which is shown (`long_move.rs`).
@@ -14,7 +14,6 @@ mod worker;
 
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, MutexGuard, PoisonError};
-use std::thread::JoinHandle;
 
 use mailbox::{Mailbox, Request, Shared};
 pub use mailbox::{Phase, View};
@@ -30,34 +29,33 @@ use super::snapshot::{Hold, Job, Place, Snapshot};
 use crate::experiment::Prepared;
 use crate::ui::commands::Side;
 use crate::view::look::Look;
+use crate::work::{self, Task};
 
 /// A move that works longer than this gives way to the next request; less, and a drag would never arrive anywhere.
 const SLOW_AFTER: Duration = Duration::from_millis(60);
-/// How often a long move tells how far it is.
-const NEWS: Duration = Duration::from_millis(30);
 /// How long work may go on after it was stopped before it is left behind.
 const GRACE: Duration = Duration::from_millis(250);
-/// Abandoned threads that may still be running when another run starts.
+/// Abandoned tasks that may still be running when another run starts.
 const LEFT: usize = 2;
 /// Small moves that may wait: more would make a held key run on after it is let go.
 const QUEUE: usize = 4;
-/// A run that is walked on a thread of its own.
+/// A run that is walked by a task of its own.
 pub struct Walker {
     shared: Arc<Shared>,
-    thread: Option<JoinHandle<()>>,
-    /// Threads whose work was left behind.
-    left: Vec<JoinHandle<()>>,
+    task: Task,
+    /// Tasks whose work was left behind.
+    left: Vec<Task>,
 }
 
 impl Walker {
-    /// A walker without a run; `changed` is called from its thread whenever [`Walker::view`] has news.
+    /// A walker without a run; `changed` is called by its task whenever [`Walker::view`] has news.
     ///
     /// # Errors
     /// If the system gives no thread.
     pub fn new(changed: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
         let shared = Arc::new(Shared::new(Arc::new(changed)));
-        let thread = spawn(&shared)?;
-        Ok(Self { shared, thread: Some(thread), left: Vec::new() })
+        let task = spawn(&shared)?;
+        Ok(Self { shared, task, left: Vec::new() })
     }
 
     /// Starts another run; the picture of the old one stays until the new one has something to show.
@@ -82,7 +80,7 @@ impl Walker {
     /// Leaves work behind that goes on although it was stopped, or stands in the way of another run. To be called now and
     /// then as long as the walker is busy.
     pub fn tend(&mut self) {
-        self.left.retain(|thread| !thread.is_finished());
+        self.left.retain(|task| !task.is_finished());
         let is_stuck = {
             let mailbox = self.shared.mailbox();
             let is_late = mailbox.unwanted.is_some_and(|since| since.elapsed() > GRACE);
@@ -93,12 +91,12 @@ impl Walker {
         }
     }
 
-    /// Another thread takes over, which knows what was shown last.
+    /// Another task takes over, which knows what was shown last.
     fn leave(&mut self) {
         let shared = Arc::new(Shared::new(Arc::clone(&self.shared.changed)));
-        let Ok(thread) = spawn(&shared) else { return };
+        let Ok(task) = spawn(&shared) else { return };
         let old = std::mem::replace(&mut self.shared, Arc::clone(&shared));
-        self.left.extend(self.thread.replace(thread));
+        self.left.push(std::mem::replace(&mut self.task, task));
         let mut old_mailbox = old.mailbox();
         old.stop.set(true);
         old.superseded.set(true);
@@ -122,7 +120,7 @@ impl Walker {
         mailbox.view = View { shown, refused, busy: mailbox.job.is_some(), ..View::default() };
         drop(old_mailbox);
         drop(mailbox);
-        shared.wake.notify_one();
+        shared.wake.notify();
         (shared.changed)();
     }
 
@@ -206,7 +204,7 @@ impl Walker {
         }
     }
 
-    /// Has `visit` look at the run, on the walker's thread, after what was asked for before.
+    /// Has `visit` look at the run, by the walker's task, after what was asked for before.
     pub fn visit(&self, visit: impl FnOnce(&Arc<Prepared>, &dyn Walk) + Send + 'static) {
         self.ask(false, |mailbox| {
             mailbox.take_up();
@@ -263,7 +261,8 @@ impl Walker {
         if replaces {
             self.shared.superseded.set(true);
         }
-        self.shared.wake.notify_one();
+        drop(mailbox);
+        self.shared.wake.notify();
     }
 }
 
@@ -275,22 +274,13 @@ impl Drop for Walker {
             mailbox.quit = true;
         });
         // Whatever cannot be interrupted ends with the program.
-        let asked = Instant::now();
-        if let Some(thread) = self.thread.take() {
-            while !thread.is_finished() && asked.elapsed() < GRACE {
-                std::thread::sleep(Duration::from_millis(1));
-            }
-            if thread.is_finished() {
-                // A worker that panicked has nothing left to tell.
-                let _ = thread.join();
-            }
-        }
+        self.task.wait(GRACE);
     }
 }
 
-fn spawn(shared: &Arc<Shared>) -> std::io::Result<JoinHandle<()>> {
+fn spawn(shared: &Arc<Shared>) -> std::io::Result<Task> {
     let shared = Arc::clone(shared);
-    std::thread::Builder::new().name("walker".into()).spawn(move || Worker::new(&shared).run())
+    work::spawn("walker", async move || Worker::new(&shared).run().await)
 }
 
 #[cfg(test)]

@@ -4,13 +4,14 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread;
 use std::time::{Duration, SystemTime};
+
+use crate::work;
 
 /// How often the file is looked at.
 const PERIOD: Duration = Duration::from_millis(500);
 
-/// A thread that looks at the time of a file, and wakes the window only when it has changed. It ends when this is dropped.
+/// A task that looks at the time of a file, and wakes the window only when it has changed. It ends when this is dropped.
 pub struct Watch {
     has_changed: Arc<AtomicBool>,
 }
@@ -19,14 +20,14 @@ impl Watch {
     /// Starts to watch the file at `path`; `wake` is called after each change.
     ///
     /// # Errors
-    /// If no thread can be started.
+    /// If no task can be started.
     pub fn new(path: PathBuf, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
         let has_changed = Arc::new(AtomicBool::new(false));
         let watched = Arc::downgrade(&has_changed);
         let mut last = written(&path);
-        thread::Builder::new().name("watch".into()).spawn(move || {
+        work::spawn("watch", async move || {
             loop {
-                thread::sleep(PERIOD);
+                work::sleep(PERIOD).await;
                 let Some(has_changed) = watched.upgrade() else { return };
                 let now = written(&path);
                 if now.is_some() && now != last {

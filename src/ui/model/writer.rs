@@ -1,7 +1,8 @@
-//! Writes pictures, vectors and sessions on a thread of its own, with progress and cancel.
+//! Writes pictures, vectors and sessions as a task, with progress and cancel.
 
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::pin::Pin;
+use std::sync::mpsc::{Receiver, TryRecvError};
 use std::time::Duration;
 
 use motionscope_core::base::Error;
@@ -19,6 +20,7 @@ use crate::results::Export;
 use crate::ui::commands::{ClipFormat, Order, OutputKind};
 use crate::view::rendering::{Format, Rendering};
 use crate::view::steps::{Medium, Steps};
+use crate::work;
 
 /// How often writing that waits for the run asks whether it was cancelled.
 const POLL: Duration = Duration::from_millis(50);
@@ -38,7 +40,10 @@ pub fn refuse_losses(order: &Order, inputs: &Inputs) -> Result<(), Error> {
 }
 
 /// What writes an order, and says what it wrote.
-pub type Work = Box<dyn FnOnce(&Order, &dyn Progress) -> Result<String, Error> + Send>;
+pub type Work = Box<dyn for<'a> FnOnce(&'a Order, &'a dyn Progress) -> Said<'a> + Send>;
+
+/// What was written, once it is.
+pub type Said<'a> = Pin<Box<dyn Future<Output = Result<String, Error>> + 'a>>;
 
 /// Something that is being written.
 pub struct Writing {
@@ -49,13 +54,13 @@ pub struct Writing {
 }
 
 impl Writing {
-    /// Has `write` write on a thread of its own and say what it wrote.
+    /// Has `write` write and say what it wrote.
     pub fn new(
         folder: Option<PathBuf>,
         changed: impl Fn() + Send + Sync + 'static,
-        write: impl FnOnce(&dyn Progress) -> Result<String, Error> + Send + 'static,
+        write: impl AsyncFnOnce(&dyn Progress) -> Result<String, Error> + Send + 'static,
     ) -> Self {
-        Self { folder, work: Background::new("write", changed, move |control| write(&**control)) }
+        Self { folder, work: Background::new("write", changed, async move |control| write(&**control).await) }
     }
 }
 
@@ -75,7 +80,7 @@ pub fn picture(order: &Order, shown: &Snapshot) -> Result<String, Error> {
 ///
 /// # Errors
 /// As [`Steps::write`].
-pub fn steps(
+pub async fn steps(
     order: &Order,
     (shown, freehand): (&Snapshot, Freehand),
     progress: &dyn Progress,
@@ -90,7 +95,7 @@ pub fn steps(
     let panes = order.panes.clone();
     let (scale, look) = (order.scale, order.look);
     let steps = Steps { range, scale, look, panes, pixel, must_have_layer: false, freehand, turntable: 1 };
-    let written = steps.write(&shown.subject, medium, Some(progress), None)?;
+    let written = steps.write(&shown.subject, medium, Some(progress), None).await?;
     Ok(match medium {
         Medium::Pictures(..) => format!("Saved {} into {}{}.", written.pictures(), path.display(), written.without()),
         Medium::Animation(..) => format!("Saved {} as {}{}.", written.pictures(), path.display(), written.without()),
@@ -132,28 +137,30 @@ fn padded((width, height): (usize, usize)) -> String {
 ///
 /// # Errors
 /// If none comes, there is no such format, a file cannot be written, or the work was cancelled.
-pub fn result(
+pub async fn result(
     path: &Path,
     export: &Export,
     output: &Receiver<Output>,
     progress: &dyn Progress,
 ) -> Result<String, Error> {
-    let output = come(output, progress)?;
+    let output = come(output, progress).await?;
     let made = (export.format(path)?.encode)(&output)?;
     let written = export.save(path, &made)?;
     let lost = made.lost.map_or_else(String::new, |lost| format!(" {lost}."));
     Ok(format!("Saved {written}.{lost}"))
 }
 
-fn come(output: &Receiver<Output>, progress: &dyn Progress) -> Result<Output, Error> {
+async fn come(output: &Receiver<Output>, progress: &dyn Progress) -> Result<Output, Error> {
     loop {
         if progress.cancelled() {
             return Err(Error::new("saving was cancelled"));
         }
-        match output.recv_timeout(POLL) {
+        match output.try_recv() {
             Ok(output) => return Ok(output),
-            Err(RecvTimeoutError::Timeout) => {}
-            Err(_) => return Err(Error::new("the run has moved on since; pause it and save again")),
+            Err(TryRecvError::Empty) => work::sleep(POLL).await,
+            Err(TryRecvError::Disconnected) => {
+                return Err(Error::new("the run has moved on since; pause it and save again"));
+            }
         }
     }
 }

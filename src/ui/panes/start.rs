@@ -27,6 +27,7 @@ use crate::ui::model::previews::Previews;
 use crate::ui::parts::entry_card::{self, Card};
 use crate::ui::parts::sample_card::{self, Face};
 use crate::ui::parts::{arrows, widgets};
+use crate::work;
 
 /// The buttons beside the title.
 const BUTTONS: [Command; 5] =
@@ -96,12 +97,12 @@ impl State {
         let (sender, missing) = channel();
         let ctx = ctx.clone();
         // A disk of the network may take long to say that something is not there.
-        let look = move || {
+        let look = async move || {
             let missing = paths.iter().map(|path| is_file(path) && !path.exists()).collect();
             sender.send(missing).ok();
             ctx.request_repaint();
         };
-        drop(std::thread::Builder::new().name("recent files".into()).spawn(look));
+        drop(work::spawn("recent files", look));
         Self { recent, missing, is_begun: false, is_keyed: false, items: Vec::new() }
     }
 }

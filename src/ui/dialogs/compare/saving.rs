@@ -33,7 +33,7 @@ pub fn footer(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, of: (&Document,
     if is_entered {
         let ctx = ui.ctx().clone();
         let saved = encoded(rows, state, of);
-        state.saved = Some(Background::new("save", move || ctx.request_repaint(), move |_| saved?.save()));
+        state.saved = Some(Background::new("save", move || ctx.request_repaint(), async move |_| saved?.save()));
     }
     outcome(ui, state);
 }

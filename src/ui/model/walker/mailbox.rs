@@ -15,6 +15,7 @@ use crate::ui::commands::Side;
 use crate::ui::model::preview::stopped;
 use crate::ui::model::snapshot::{Job, Snapshot};
 use crate::view::look::Look;
+use crate::work::Signal;
 
 /// What the walker shows and does just now.
 #[derive(Clone, Default)]
@@ -100,7 +101,7 @@ pub(super) struct Mailbox {
 
 pub(super) struct Shared {
     pub(super) mailbox: Mutex<Mailbox>,
-    pub(super) wake: Condvar,
+    pub(super) wake: Signal,
     pub(super) idle: Condvar,
     /// The move at work is to be given up.
     pub(super) superseded: Stop,
@@ -115,7 +116,7 @@ impl Shared {
     pub(super) fn new(changed: Changed) -> Self {
         Self {
             mailbox: Mutex::default(),
-            wake: Condvar::new(),
+            wake: Signal::default(),
             idle: Condvar::new(),
             superseded: Stop::default(),
             stop: Stop::default(),

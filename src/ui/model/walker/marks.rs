@@ -26,7 +26,7 @@ impl Marks {
 
 impl Worker<'_> {
     /// Goes to the next step in the direction `way` with one of the marks sought; where none is, to that end of the run.
-    pub(super) fn go_to_mark(&mut self, way: Direction, sought: Marks) {
+    pub(super) async fn go_to_mark(&mut self, way: Direction, sought: Marks) {
         let kind = self.run.as_ref().and_then(|run| sought.kind_at(&*run.walk));
         let events = |walk: &dyn Walk| -> Vec<usize> {
             let marks = walk.landmarks().into_iter();
@@ -45,23 +45,23 @@ impl Worker<'_> {
                 Direction::Back => events_here.iter().rev().find(|event| **event < here.event),
             };
             if let Some(event) = next {
-                return self.go(Move::To(Cursor { unit: here.unit, event: *event }));
+                return self.go(Move::To(Cursor { unit: here.unit, event: *event })).await;
             }
             // A unit is entered at the side that it is searched from.
             let to = match way {
                 Direction::Forward if walk.at_end() => return self.publish(),
                 Direction::Forward => Cursor { unit: here.unit + 1, event: 1 },
-                Direction::Back if here.unit == 0 => return self.go(Move::To(Cursor::default())),
+                Direction::Back if here.unit == 0 => return self.go(Move::To(Cursor::default())).await,
                 Direction::Back => Cursor { unit: here.unit - 1, event: usize::MAX },
             };
-            if !self.travel(Move::To(to)) {
+            if !self.travel(Move::To(to)).await {
                 return;
             }
             let Some(run) = &self.run else { return };
             let now = run.walk.cursor();
             let is_marked = events(&*run.walk).contains(&now.event);
             if is_marked || now.unit == here.unit {
-                return self.go(if is_marked { Move::To(now) } else { Move::End });
+                return self.go(if is_marked { Move::To(now) } else { Move::End }).await;
             }
         }
     }

@@ -1,8 +1,7 @@
 //! The worker: serves requests one after the other, gives up a move for a newer request, and shows the run.
 
 use std::cell::{Cell, OnceCell, RefCell};
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 
 use motionscope_core::base::{Error, Stop};
 use motionscope_core::data::{Clip, Flow};
@@ -10,10 +9,10 @@ use motionscope_core::run::{Cursor, Explained, Move};
 use motionscope_core::scene::Focus;
 use web_time::Instant;
 
+use super::SLOW_AFTER;
 use super::long_move::LongMove;
 use super::mailbox::{Phase, Request, Shared};
 use super::run::Run;
-use super::{NEWS, SLOW_AFTER};
 use crate::experiment::interest::{first_step, opening};
 use crate::experiment::pixel::{Held, is_explained, place_of, walks_pixels};
 use crate::experiment::{Experiment, Prepared};
@@ -25,6 +24,7 @@ use crate::view::look::Look;
 use crate::view::moment::{LastPair, Moment};
 use crate::view::motion::{AvailableLayers, backward};
 use crate::view::named::LastNamed;
+use crate::work;
 
 enum Task {
     Start(Job),
@@ -46,61 +46,54 @@ impl<'a> Worker<'a> {
         Self { shared, run: None, held: None }
     }
 
-    pub(super) fn run(mut self) {
-        while let Some(task) = self.next_task() {
-            let outcome = catch_unwind(AssertUnwindSafe(|| self.serve(task)));
-            if let Err(panic) = outcome {
+    pub(super) async fn run(mut self) {
+        let shared = self.shared;
+        loop {
+            shared.mailbox().since = None;
+            let Some(task) = shared.wake.until(|| self.next_task()).await else { return };
+            if let Err(panic) = work::caught(self.serve(task)).await {
                 self.run = None;
                 self.refuse(panicked(panic.as_ref()));
             }
         }
     }
 
-    /// The next thing to do, or `None` at the end of the session.
-    fn next_task(&self) -> Option<Task> {
+    /// The next thing to do, if there is one; `Some(None)` at the end of the session.
+    fn next_task(&self) -> Option<Option<Task>> {
         let mut mailbox = self.shared.mailbox();
-        mailbox.since = None;
-        loop {
-            if mailbox.quit {
-                return None;
-            }
-            let job = mailbox.job.take().map(Task::Start);
-            self.shared.stop.set(false);
-            if job.is_some() || !mailbox.requests.is_empty() {
-                self.shared.superseded.set(false);
-            }
-            let task = job.or_else(|| mailbox.requests.pop_front().map(Task::Request));
-            if task.is_some() {
-                (mailbox.since, mailbox.unwanted) = (Some(Instant::now()), None);
-                return task;
-            }
-            if let Some((subject, flow)) = mailbox.backward.take() {
-                mailbox.view.checking = false;
-                mailbox.view.busy = true;
-                (mailbox.since, mailbox.unwanted) = (Some(Instant::now()), None);
-                return Some(Task::Backward(subject, flow));
-            }
-            if std::mem::take(&mut mailbox.look_changed) {
-                (mailbox.since, mailbox.unwanted) = (Some(Instant::now()), None);
-                return Some(Task::Look);
-            }
-            if std::mem::take(&mut mailbox.focus_moved) {
-                (mailbox.since, mailbox.unwanted) = (Some(Instant::now()), None);
-                return Some(Task::Focus);
-            }
-            let was_busy = std::mem::replace(&mut mailbox.view.busy, false) | mailbox.view.progress.take().is_some();
-            self.shared.idle.notify_all();
-            if was_busy {
-                (self.shared.changed)();
-            }
-            mailbox = self.shared.wake.wait(mailbox).unwrap_or_else(PoisonError::into_inner);
+        if mailbox.quit {
+            return Some(None);
         }
+        let job = mailbox.job.take().map(Task::Start);
+        self.shared.stop.set(false);
+        if job.is_some() || !mailbox.requests.is_empty() {
+            self.shared.superseded.set(false);
+        }
+        let task = job.or_else(|| mailbox.requests.pop_front().map(Task::Request));
+        let task = task.or_else(|| {
+            let (subject, flow) = mailbox.backward.take()?;
+            (mailbox.view.checking, mailbox.view.busy) = (false, true);
+            Some(Task::Backward(subject, flow))
+        });
+        let task = task.or_else(|| std::mem::take(&mut mailbox.look_changed).then_some(Task::Look));
+        let task = task.or_else(|| std::mem::take(&mut mailbox.focus_moved).then_some(Task::Focus));
+        if task.is_some() {
+            (mailbox.since, mailbox.unwanted) = (Some(Instant::now()), None);
+            return Some(task);
+        }
+        let was_busy = std::mem::replace(&mut mailbox.view.busy, false) | mailbox.view.progress.take().is_some();
+        drop(mailbox);
+        self.shared.idle.notify_all();
+        if was_busy {
+            (self.shared.changed)();
+        }
+        None
     }
 
-    fn serve(&mut self, task: Task) {
+    async fn serve(&mut self, task: Task) {
         match task {
             Task::Start(job) => {
-                let opened = self.open(job);
+                let opened = self.open(job).await;
                 let mut mailbox = self.shared.mailbox();
                 mailbox.starting = mailbox.job.is_some();
                 drop(mailbox);
@@ -115,11 +108,11 @@ impl<'a> Worker<'a> {
             Task::Request(Request::Go(to)) => {
                 let Some(run) = &self.run else { return };
                 self.held = self.held.filter(|at| !walks_pixels(&*run.walk, *at));
-                self.go(to);
+                self.go(to).await;
             }
-            Task::Request(Request::GoAt(focus, side)) => self.go_at(focus, side),
-            Task::Request(Request::GoToCandidate(candidate)) => self.go_to_candidate(candidate),
-            Task::Request(Request::GoToMark(way, marks)) => self.go_to_mark(way, marks),
+            Task::Request(Request::GoAt(focus, side)) => self.go_at(focus, side).await,
+            Task::Request(Request::GoToCandidate(candidate)) => self.go_to_candidate(candidate).await,
+            Task::Request(Request::GoToMark(way, marks)) => self.go_to_mark(way, marks).await,
             Task::Request(Request::Release) => {
                 if self.held.take().is_some() {
                     self.publish();
@@ -129,7 +122,7 @@ impl<'a> Worker<'a> {
                 // Figures of the end that were given up are not measured again.
                 self.run.iter().for_each(|run| run.is_brief.set(true));
                 if let Some(cursor) = self.run.as_ref().map(|run| run.walk.cursor()) {
-                    self.go(Move::To(cursor));
+                    self.go(Move::To(cursor)).await;
                 }
                 self.run.iter().for_each(|run| run.is_brief.set(false));
             }
@@ -159,7 +152,7 @@ impl<'a> Worker<'a> {
         }
     }
 
-    /// Has the reverse pair of `run` run on a thread of its own if `look` shows the check with it; one at a time.
+    /// Has the reverse pair of `run` run by a task of its own if `look` shows the check with it; one at a time.
     fn check(&self, run: &Run, look: &Look, available: &AvailableLayers) {
         let is_wanted = available.layer(look.layer) == FlowLayer::Consistency && run.backward.is_none();
         let stop = Stop::default();
@@ -171,14 +164,14 @@ impl<'a> Worker<'a> {
             mailbox.stop_check = stop.clone();
         }
         let (subject, clip, shared) = (Arc::clone(&run.subject), run.clip.clone().until(stop), Arc::clone(self.shared));
-        let work = move || {
+        let check = async move || {
             let Experiment { estimator, frame, .. } = &subject.experiment;
-            let work = AssertUnwindSafe(|| backward(&**estimator, &clip, *frame));
-            let flow = catch_unwind(work).unwrap_or_else(|panic| Err(panicked(panic.as_ref())));
+            let flow = work::caught(async { backward(&**estimator, &clip, *frame) }).await;
+            let flow = flow.unwrap_or_else(|panic| Err(panicked(panic.as_ref())));
             shared.mailbox().backward = Some((subject, flow));
-            shared.wake.notify_one();
+            shared.wake.notify();
         };
-        if std::thread::Builder::new().name("backward".into()).spawn(work).is_err() {
+        if work::spawn("backward", check).is_err() {
             self.shared.mailbox().view.checking = false;
         }
     }
@@ -192,7 +185,7 @@ impl<'a> Worker<'a> {
     }
 
     /// Starts a run; gives whether it stands at its place. The old one is gone, whatever comes of the new one.
-    fn open(&mut self, Job { subject, place }: Job) -> Result<bool, Error> {
+    async fn open(&mut self, Job { subject, place }: Job) -> Result<bool, Error> {
         // A pixel stays held when parameters change, but not in another clip.
         let other = self.run.take().is_some_and(|run| run.clip.info().name != subject.clip.info().name);
         self.held = match place.hold {
@@ -230,7 +223,7 @@ impl<'a> Worker<'a> {
             named: LastNamed::default(),
             focus: Cell::new(None),
         });
-        Ok(cursor == Cursor::default() || self.travel(Move::To(cursor)))
+        Ok(cursor == Cursor::default() || self.travel(Move::To(cursor)).await)
     }
 
     /// Has what is known of a run at hand before it has anything to show.
@@ -241,18 +234,18 @@ impl<'a> Worker<'a> {
         Ok(())
     }
 
-    pub(super) fn go(&mut self, to: Move) {
-        if self.travel(to) && self.pass_idle(to) {
+    pub(super) async fn go(&mut self, to: Move) {
+        if self.travel(to).await && self.pass_idle(to).await {
             self.publish();
         }
     }
 
     /// Goes on with a small move as long as nothing happens where it leads; gives whether it is done.
-    fn pass_idle(&mut self, to: Move) -> bool {
+    async fn pass_idle(&mut self, to: Move) -> bool {
         let is_idle = |worker: &Self| worker.run.as_ref().is_some_and(|run| run.walk.is_idle() && !run.walk.at_end());
         while matches!(to, Move::Granularity(..)) && is_idle(self) {
             let before = self.run.as_ref().map(|run| run.walk.cursor());
-            if !self.travel(to) {
+            if !self.travel(to).await {
                 return false;
             }
             if before == self.run.as_ref().map(|run| run.walk.cursor()) {
@@ -262,7 +255,7 @@ impl<'a> Worker<'a> {
         true
     }
 
-    fn go_at(&mut self, focus: Focus, side: Side) {
+    async fn go_at(&mut self, focus: Focus, side: Side) {
         let Some(run) = &self.run else { return };
         // Where nothing is found at that pixel, the move that this one replaced has ended where the run stands.
         let here = run.walk.cursor();
@@ -275,16 +268,16 @@ impl<'a> Worker<'a> {
             (None, Some(unit)) => Cursor { unit, event: usize::MAX },
             (None, None) => here,
         };
-        self.go(Move::To(to));
+        self.go(Move::To(to)).await;
     }
 
-    fn go_to_candidate(&mut self, candidate: [i32; 2]) {
+    async fn go_to_candidate(&mut self, candidate: [i32; 2]) {
         let Some(run) = &mut self.run else { return };
         let Cursor { unit, .. } = run.walk.cursor();
         // In lockstep each search tests it, or not, at a step of its own.
         let is_alone = run.walk.beside(None).is_empty();
         let event = is_alone.then(|| event_of(&mut *run.walk, Cursor { unit, event: 0 }, candidate)).flatten();
-        self.go(Move::To(Cursor { unit, event: event.unwrap_or(usize::MAX) }));
+        self.go(Move::To(Cursor { unit, event: event.unwrap_or(usize::MAX) })).await;
     }
 
     /// The pixel or the object that was clicked, where it can be explained.
@@ -295,11 +288,11 @@ impl<'a> Worker<'a> {
     }
 
     /// Works on a move until it is done or replaced by a newer request; returns whether it is done. A long move is shown on its way.
-    pub(super) fn travel(&mut self, to: Move) -> bool {
+    pub(super) async fn travel(&mut self, to: Move) -> bool {
         self.shared.mailbox().view.phase = Phase::Running;
         let Some(mut long_move) = self.run.as_ref().map(|run| LongMove::new(run, to)) else { return false };
         loop {
-            match self.leg(&mut long_move) {
+            match self.leg(&mut long_move).await {
                 Leg::NotWanted => return false,
                 Leg::There => break,
                 Leg::Part => {
@@ -308,6 +301,7 @@ impl<'a> Worker<'a> {
                         return false;
                     }
                     self.show(long_move.goal);
+                    work::breathe().await;
                     long_move.go_on(begun.elapsed());
                 }
             }
@@ -325,7 +319,7 @@ impl<'a> Worker<'a> {
     }
 
     /// Goes the next part of a way.
-    fn leg(&mut self, long_move: &mut LongMove) -> Leg {
+    async fn leg(&mut self, long_move: &mut LongMove) -> Leg {
         let Some(run) = &mut self.run else { return Leg::NotWanted };
         let shared = self.shared;
         let asked = long_move.begun;
@@ -334,7 +328,7 @@ impl<'a> Worker<'a> {
         run.walk.go(long_move.next);
         loop {
             let slice = Instant::now();
-            if run.walk.work(&mut || slice.elapsed() < NEWS && wanted()) {
+            if run.walk.work(&mut || slice.elapsed() < work::SLICE && wanted()) {
                 let at = run.walk.cursor();
                 if long_move.comes_to(at, run.walk.at_end(), begun.elapsed()) {
                     return Leg::There;
@@ -352,6 +346,7 @@ impl<'a> Worker<'a> {
             if let Some(reached) = long_move.breaks_off(begun.elapsed(), progress) {
                 run.walk.go(reached);
             }
+            work::breathe().await;
         }
     }
 

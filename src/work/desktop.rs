@@ -1,0 +1,91 @@
+//! Tasks on threads.
+
+use std::collections::VecDeque;
+use std::io;
+use std::pin::pin;
+use std::sync::Arc;
+use std::task::{Context, Poll, Wake};
+use std::thread::{self, JoinHandle, Thread};
+use std::time::{Duration, Instant};
+
+/// How long a task works before it tells how far it is.
+pub const SLICE: Duration = Duration::from_millis(30);
+
+/// A task at work; it goes on when this is dropped.
+pub struct Task(JoinHandle<()>);
+
+impl Task {
+    /// Whether it has ended.
+    pub fn is_finished(&self) -> bool {
+        self.0.is_finished()
+    }
+
+    /// Waits for its end, but no longer than `longest`.
+    pub fn wait(&self, longest: Duration) {
+        let begun = Instant::now();
+        while !self.is_finished() && begun.elapsed() < longest {
+            thread::sleep(Duration::from_millis(1));
+        }
+    }
+}
+
+/// Starts `work` on a thread called `purpose`.
+///
+/// # Errors
+/// If the system gives no thread.
+pub fn spawn(purpose: &str, work: impl AsyncFnOnce() + Send + 'static) -> io::Result<Task> {
+    thread::Builder::new().name(purpose.into()).spawn(move || finish(work())).map(Task)
+}
+
+/// Does `work` on this thread, which sleeps while the work waits.
+pub fn finish<T>(work: impl Future<Output = T>) -> T {
+    let mut work = pin!(work);
+    let waker = Arc::new(Unpark(thread::current())).into();
+    let mut context = Context::from_waker(&waker);
+    loop {
+        match work.as_mut().poll(&mut context) {
+            Poll::Ready(outcome) => return outcome,
+            Poll::Pending => thread::park(),
+        }
+    }
+}
+
+struct Unpark(Thread);
+
+impl Wake for Unpark {
+    fn wake(self: Arc<Self>) {
+        self.0.unpark();
+    }
+}
+
+/// Hands what `make` makes of each of `jobs` to `take`, in their order; some are made ahead, on as many threads as there are cores.
+///
+/// # Errors
+/// Those of `take`. A job whose making panics is handed over as `None`.
+pub fn in_order<J: Send, T: Send, E>(
+    jobs: impl Iterator<Item = J>,
+    make: impl Fn(J) -> T + Sync,
+    mut take: impl FnMut(Option<T>) -> Result<(), E>,
+) -> Result<(), E> {
+    let ahead = thread::available_parallelism().map_or(1, usize::from).min(8);
+    let (mut jobs, make) = (jobs.fuse(), &make);
+    thread::scope(|scope| {
+        let mut at_work = VecDeque::new();
+        loop {
+            at_work.extend(jobs.by_ref().take(ahead - at_work.len()).map(|job| scope.spawn(move || make(job))));
+            let Some(made) = at_work.pop_front() else { return Ok(()) };
+            take(made.join().ok())?;
+        }
+    })
+}
+
+/// Lets others work: on a desktop they do so anyway.
+pub async fn breathe() {}
+
+/// Waits.
+pub async fn sleep(time: Duration) {
+    thread::sleep(time);
+}
+
+/// A thread has no slices.
+pub(super) fn begin_slice() {}

@@ -1,0 +1,137 @@
+//! Tasks in slices between the frames of a page, all on its one thread.
+
+use std::cell::Cell;
+use std::future::poll_fn;
+use std::io;
+use std::rc::Rc;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::task::{Poll, Waker};
+use std::time::Duration;
+
+use wasm_bindgen::prelude::*;
+use wasm_bindgen_futures::spawn_local;
+use web_time::Instant;
+
+/// How long all tasks work before the page draws and takes input.
+pub const SLICE: Duration = Duration::from_millis(8);
+
+thread_local! {
+    static BEGUN: Cell<Option<Instant>> = const { Cell::new(None) };
+}
+
+/// A task at work; it goes on when this is dropped.
+pub struct Task(Arc<AtomicBool>);
+
+impl Task {
+    /// Whether it has ended.
+    pub fn is_finished(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    /// Nothing is waited for: the task would wait for the page in turn.
+    pub fn wait(&self, _: Duration) {}
+}
+
+/// Starts `work` in the next slice.
+///
+/// # Errors
+/// None in a page.
+pub fn spawn(_purpose: &str, work: impl AsyncFnOnce() + Send + 'static) -> io::Result<Task> {
+    let task = Task(Arc::default());
+    let is_finished = Arc::clone(&task.0);
+    spawn_local(async move {
+        next_slice().await;
+        work().await;
+        is_finished.store(true, Ordering::Relaxed);
+    });
+    Ok(task)
+}
+
+/// Hands what `make` makes of each of `jobs` to `take`, in their order.
+///
+/// # Errors
+/// Those of `take`.
+pub fn in_order<J, T, E>(
+    jobs: impl Iterator<Item = J>,
+    make: impl Fn(J) -> T,
+    mut take: impl FnMut(Option<T>) -> Result<(), E>,
+) -> Result<(), E> {
+    jobs.map(make).map(Some).try_for_each(|made| take(made))
+}
+
+/// Lets the page draw and take input if the slice is over.
+pub async fn breathe() {
+    if BEGUN.get().is_none_or(|begun| begun.elapsed() >= SLICE) {
+        next_slice().await;
+    }
+}
+
+/// Waits, while others work.
+pub async fn sleep(time: Duration) {
+    let millis = i32::try_from(time.as_millis()).unwrap_or(i32::MAX);
+    wait(|waker| set_timeout(&Closure::once_into_js(move || waker.wake()), millis)).await;
+}
+
+/// Notes that a task goes on after a wait.
+pub(super) fn begin_slice() {
+    BEGUN.set(Some(Instant::now()));
+}
+
+/// Ends the slice, and waits for the next one.
+async fn next_slice() {
+    wait(|waker| TURNS.with(|turns| turns.wait(waker))).await;
+}
+
+/// Waits for what `begin` begins.
+async fn wait(begin: impl FnOnce(Waker)) {
+    let mut begin = Some(begin);
+    poll_fn(|context| match begin.take() {
+        Some(begin) => {
+            begin(context.waker().clone());
+            Poll::Pending
+        }
+        None => Poll::Ready(()),
+    })
+    .await;
+    begin_slice();
+}
+
+#[wasm_bindgen]
+extern "C" {
+    #[wasm_bindgen(js_name = setTimeout)]
+    fn set_timeout(then: &JsValue, millis: i32);
+}
+
+thread_local! {
+    static TURNS: Turns = Turns::new();
+}
+
+/// Messages of the page to itself: each comes after what the browser has to do, without the least time that timers have.
+struct Turns {
+    channel: web_sys::MessageChannel,
+    waiting: Rc<Cell<Vec<Waker>>>,
+    _received: Closure<dyn FnMut()>,
+}
+
+impl Turns {
+    fn new() -> Self {
+        let channel = web_sys::MessageChannel::new().expect("every browser that draws the window has channels");
+        let waiting = Rc::<Cell<Vec<Waker>>>::default();
+        let theirs = Rc::clone(&waiting);
+        let received = Closure::<dyn FnMut()>::new(move || theirs.take().into_iter().for_each(Waker::wake));
+        channel.port1().set_onmessage(Some(received.as_ref().unchecked_ref()));
+        Self { channel, waiting, _received: received }
+    }
+
+    fn wait(&self, waker: Waker) {
+        let mut waiting = self.waiting.take();
+        let is_first = waiting.is_empty();
+        waiting.push(waker);
+        self.waiting.set(waiting);
+        if is_first {
+            // A channel that is kept does not fail.
+            let _ = self.channel.port2().post_message(&JsValue::NULL);
+        }
+    }
+}
