@@ -20,6 +20,7 @@ mod playback;
 mod predict;
 mod present;
 mod run;
+mod shown;
 mod situation;
 mod start;
 
@@ -43,6 +44,7 @@ use lessons::Course;
 use opening::Opening;
 use present::Presentation;
 use run::Run;
+pub use shown::Shown;
 
 /// A part of the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

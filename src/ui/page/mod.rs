@@ -1,0 +1,61 @@
+//! The window in a page of a browser.
+
+mod announcer;
+mod failure;
+
+use eframe::egui::{Ui, Visuals};
+use wasm_bindgen::JsCast as _;
+use web_sys::HtmlCanvasElement;
+
+use super::{Start, app, begin};
+use announcer::Announcer;
+
+/// The id of the canvas on which the page has the window drawn.
+const CANVAS: &str = "motionscope";
+
+/// Has the window drawn on the canvas of the page, for as long as the page is open.
+pub fn run_in_page() {
+    let document = web_sys::window().and_then(|window| window.document());
+    let canvas = document.and_then(|document| document.get_element_by_id(CANVAS));
+    let Some(canvas) = canvas.and_then(|canvas| canvas.dyn_into::<HtmlCanvasElement>().ok()) else { return };
+    failure::install(canvas.clone());
+    wasm_bindgen_futures::spawn_local(run_on(canvas));
+}
+
+async fn run_on(canvas: HtmlCanvasElement) {
+    let announcer = Announcer::new(canvas.clone());
+    let create = |cc: &eframe::CreationContext<'_>| {
+        let mut app = app::App::new(&cc.egui_ctx, cc.storage)?;
+        begin(&mut app, Start::default());
+        Ok(Box::new(Page { app, announcer }) as Box<dyn eframe::App>)
+    };
+    let options = eframe::WebOptions::default();
+    if let Err(error) = eframe::WebRunner::new().start(canvas.clone(), options, Box::new(create)).await {
+        failure::refuse(&canvas, &error);
+    }
+}
+
+/// The window, which also tells the page what it shows.
+struct Page {
+    app: app::App,
+    announcer: Announcer,
+}
+
+impl eframe::App for Page {
+    fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
+        self.app.ui(ui, frame);
+        self.announcer.announce(self.app.shown());
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        self.app.save(storage);
+    }
+
+    fn persist_egui_memory(&self) -> bool {
+        self.app.persist_egui_memory()
+    }
+
+    fn clear_color(&self, visuals: &Visuals) -> [f32; 4] {
+        self.app.clear_color(visuals)
+    }
+}
