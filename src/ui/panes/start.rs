@@ -136,7 +136,7 @@ pub fn show(ui: &mut Ui, state: &mut State, previews: &mut Previews, input: &Inp
         state.is_keyed |= walk(ui, &state.items);
     }
     let size = TextStyle::Body.resolve(ui.style()).size;
-    let margins = if layout::is_upright(ui.max_rect().size(), size) { 24.0 } else { 64.0 };
+    let margins = if is_upright(ui) { 24.0 } else { 64.0 };
     let width = (WIDEST * size).min(ui.available_width() - margins);
     let side = ((ui.available_width() - width) / 2.0).round();
     let footer = ui.spacing().interact_size.y + 20.0;
@@ -202,6 +202,7 @@ impl Drawn<'_, '_> {
     /// The name of the program, and the ways to open a clip.
     fn head(&mut self, ui: &mut Ui) {
         let size = TextStyle::Body.resolve(ui.style()).size;
+        let is_upright = is_upright(ui);
         ui.horizontal(|ui| {
             let accent = ui.visuals().hyperlink_color;
             ui.label(widgets::icon(ui, Icon::ScanEye).size(1.9 * size).color(accent));
@@ -211,13 +212,16 @@ impl Drawn<'_, '_> {
                 if close.clicked() {
                     self.actions.command(Command::StartPage);
                 }
-                for command in BUTTONS.into_iter().rev() {
+                for command in BUTTONS.into_iter().rev().filter(|_| !is_upright) {
                     self.button(ui, command);
                 }
                 self.item(&close);
             });
         });
         ui.label(RichText::new("Walk through any motion estimator, step by step, forwards and backwards.").weak());
+        if is_upright {
+            ui.horizontal(|ui| BUTTONS.into_iter().for_each(|command| self.button(ui, command)));
+        }
     }
 
     fn button(&mut self, ui: &mut Ui, command: Command) {
@@ -300,8 +304,7 @@ impl Drawn<'_, '_> {
     fn lessons_and_recent(&mut self, ui: &mut Ui, recent: &[Recent]) {
         let size = TextStyle::Body.resolve(ui.style()).size;
         let all = ui.available_width();
-        let is_upright = layout::is_upright(ui.ctx().content_rect().size(), size);
-        let beside = if recent.is_empty() || is_upright { 0.0 } else { (RECENT_LETTERS * size).min(0.34 * all) };
+        let beside = if recent.is_empty() || is_upright(ui) { 0.0 } else { (RECENT_LETTERS * size).min(0.34 * all) };
         let again = |page: &mut Self, ui: &mut Ui| {
             widgets::heading(ui, "Open again");
             tighten(ui);
@@ -418,6 +421,9 @@ impl Drawn<'_, '_> {
         if shown.changed() {
             self.actions.ask(Action::ShowAtStart(is_shown));
         }
+        if is_upright(ui) {
+            return;
+        }
         let theme = self.input.theme;
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             for (index, (word, keys)) in
@@ -433,6 +439,11 @@ impl Drawn<'_, '_> {
             }
         });
     }
+}
+
+/// Whether the window is upright and narrow, and has no keyboard then.
+fn is_upright(ui: &Ui) -> bool {
+    layout::is_upright(ui.ctx().content_rect().size(), TextStyle::Body.resolve(ui.style()).size)
 }
 
 /// Whether the window is much larger than its type.
