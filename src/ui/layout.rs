@@ -274,6 +274,12 @@ const LEAST_PARAMETERS: f32 = 16.0;
 const TWO_CHARTS: f32 = 1600.0;
 /// The least window that everything has room in, in letters across and lines down: a smaller one has smaller type.
 const LEAST_LETTERS: Vec2 = vec2(56.0, 30.0);
+/// The same of a window that is held upright, in which bars have fewer buttons and the timeline a row of its own.
+const LEAST_UPRIGHT: Vec2 = vec2(25.0, 44.0);
+/// Letters across below which a window that is higher than wide is arranged as upright.
+const UPRIGHT_LETTERS: f32 = 36.0;
+/// Most of the body that the page of a lesson has above the pictures of an upright window.
+const UPRIGHT_PAGE: f32 = 0.34;
 /// The same without header and transport.
 const LEAST_PRESENTED: Vec2 = vec2(45.5, 25.5);
 /// Least height in which a chart can be read, and least width, in letters.
@@ -563,6 +569,13 @@ impl Room {
             all.panes = Panes::Alike(self.pictures.split(rest));
             return;
         }
+        if let Some(LessonPage { height, .. }) = self.page.filter(|_| is_upright(self.window, self.type_pt)) {
+            // Read first, then seen, within reach of the thumb.
+            let least = PAGE_LETTERS * self.type_pt;
+            let (page, rest) = split_y(body, within(height, least, UPRIGHT_PAGE * body.height()));
+            all.page = Some(page);
+            return Room { page: None, ..*self }.share(rest, all);
+        }
         let Candidate { side, way, words: usual_words, .. } = self.best(body);
         let extent = if side == Side::Beside { body.width() } else { body.height() };
         let words = within(usual_words * self.shares.column, 0.2 * extent, 0.75 * extent);
@@ -817,11 +830,16 @@ pub fn with_row(rect: Rect, height: f32) -> (Rect, Rect) {
 /// The interface scale that `wanted` is cut down to in a window of `size` in points at scale 1, so that everything has room
 /// with type of `type_pt`.
 pub fn zoom_that_fits(wanted: f32, size: Vec2, type_pt: f32, mode: Mode) -> f32 {
-    let least = if mode == Mode::Presenting { LEAST_PRESENTED } else { LEAST_LETTERS };
-    let most = (size / (least * type_pt)).min_elem();
+    let all: &[Vec2] = if mode == Mode::Presenting { &[LEAST_PRESENTED] } else { &[LEAST_LETTERS, LEAST_UPRIGHT] };
+    let most = all.iter().map(|least| (size / (*least * type_pt)).min_elem()).fold(f32::NAN, f32::max);
     // Hundredths, so that nothing flickers while the window is dragged.
     let most = (most * 100.0).floor() / 100.0;
     if most.is_finite() { wanted.min(most.max(0.2)) } else { wanted }
+}
+
+/// Whether a window of `size` with type of `type_pt` is upright and narrow, as on a phone.
+pub fn is_upright(size: Vec2, type_pt: f32) -> bool {
+    size.y > size.x && size.x < UPRIGHT_LETTERS * type_pt
 }
 
 /// `value` between `least` and `most`; `least` where there is not even room for that.

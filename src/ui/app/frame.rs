@@ -31,7 +31,9 @@ impl App {
             let status = Panel::bottom("status").frame(bar(16, 2)).show(ui, |ui| self.status(ui, actions));
             regions.push((Region::Status, status.response.rect));
         }
-        let height = (ui.spacing().interact_size.y * 1.65).round();
+        let type_pt = TextStyle::Body.resolve(ui.style()).size;
+        let rows = transport::rows(ui.ctx().content_rect().size(), type_pt);
+        let height = (rows * ui.spacing().interact_size.y * 1.65).round();
         let transport = Panel::bottom("transport").frame(bar(12, 2)).exact_size(height + 4.0);
         let transport = transport.show(ui, |ui| self.transport(ui, actions));
         regions.push((Region::Transport, transport.response.rect));

@@ -22,6 +22,7 @@ use crate::paint::Theme;
 use crate::session::lesson::{self, Address};
 use crate::ui::commands::{Action, Actions, Command};
 use crate::ui::drawing::style;
+use crate::ui::layout;
 use crate::ui::model::loader::Loading;
 use crate::ui::model::previews::Previews;
 use crate::ui::parts::entry_card::{self, Card};
@@ -135,7 +136,8 @@ pub fn show(ui: &mut Ui, state: &mut State, previews: &mut Previews, input: &Inp
         state.is_keyed |= walk(ui, &state.items);
     }
     let size = TextStyle::Body.resolve(ui.style()).size;
-    let width = (WIDEST * size).min(ui.available_width() - 64.0);
+    let margins = if layout::is_upright(ui.max_rect().size(), size) { 24.0 } else { 64.0 };
+    let width = (WIDEST * size).min(ui.available_width() - margins);
     let side = ((ui.available_width() - width) / 2.0).round();
     let footer = ui.spacing().interact_size.y + 20.0;
     let rect = ui.max_rect();
@@ -298,22 +300,29 @@ impl Drawn<'_, '_> {
     fn lessons_and_recent(&mut self, ui: &mut Ui, recent: &[Recent]) {
         let size = TextStyle::Body.resolve(ui.style()).size;
         let all = ui.available_width();
-        let beside = if recent.is_empty() { 0.0 } else { (RECENT_LETTERS * size).min(0.34 * all) };
+        let is_upright = layout::is_upright(ui.ctx().content_rect().size(), size);
+        let beside = if recent.is_empty() || is_upright { 0.0 } else { (RECENT_LETTERS * size).min(0.34 * all) };
+        let again = |page: &mut Self, ui: &mut Ui| {
+            widgets::heading(ui, "Open again");
+            tighten(ui);
+            recent.iter().for_each(|one| page.again(ui, one));
+        };
         ui.horizontal_top(|ui| {
             ui.vertical(|ui| {
-                ui.set_width(all - beside - 24.0);
+                ui.set_width(all - beside - if beside > 0.0 { 24.0 } else { 0.0 });
                 widgets::heading(ui, "Lessons");
                 self.lessons(ui);
             });
             if beside > 0.0 {
                 ui.vertical(|ui| {
                     ui.set_width(beside);
-                    widgets::heading(ui, "Open again");
-                    tighten(ui);
-                    recent.iter().for_each(|one| self.again(ui, one));
+                    again(self, ui);
                 });
             }
         });
+        if beside == 0.0 && !recent.is_empty() {
+            ui.vertical(|ui| again(self, ui));
+        }
     }
 
     /// The families of estimators, each with a picture of its first one. A card opens the chooser at its family.

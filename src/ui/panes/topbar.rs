@@ -6,6 +6,7 @@ use lucide_icons::Icon;
 use crate::paint::Theme;
 use crate::ui::commands::{Actions, Command, Granularities, Menu, Situation};
 use crate::ui::drawing::style;
+use crate::ui::layout;
 use crate::ui::model::document::Document;
 use crate::ui::panes::{parameters, transport};
 use crate::ui::parts::{recent, widgets};
@@ -35,6 +36,7 @@ const ROOMY: f32 = 70.0;
 pub fn show(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     let size = TextStyle::Body.resolve(ui.style()).size;
     let roomy = ui.available_width() / size > ROOMY;
+    let is_upright = layout::is_upright(ui.ctx().content_rect().size(), size);
     MenuBar::new().ui(ui, |ui| {
         brand(ui, input.now.look.theme, roomy && !input.has_strip);
         if roomy {
@@ -52,7 +54,10 @@ pub fn show(ui: &mut Ui, input: &Input, actions: &mut Actions) {
             button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Menu"));
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            right(ui, input, roomy, actions);
+            match is_upright {
+                true => upright(ui, input, actions),
+                false => right(ui, input, roomy, actions),
+            }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| title(ui, input, actions));
         });
     });
@@ -143,6 +148,13 @@ fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
         let (document, theme) = (input.document, input.now.look.theme);
         let of = parameters::Input { document, placing: None, can_be_closed: false, theme };
         parameters::strip(ui, of, actions);
+    }
+}
+
+/// What a finger needs most; everything else is in the menu.
+fn upright(ui: &mut Ui, input: &Input, actions: &mut Actions) {
+    for command in [Command::ShowParameters, Command::Palette] {
+        button(ui, command, input, actions);
     }
 }
 

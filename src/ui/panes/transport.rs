@@ -9,6 +9,7 @@ use motionscope_core::run::Direction;
 use crate::paint::Theme;
 use crate::ui::commands::{Action, Actions, Command, Granularities, Situation};
 use crate::ui::drawing::style;
+use crate::ui::layout;
 use crate::ui::model::player::{Player, SPEEDS};
 use crate::ui::model::snapshot::Snapshot;
 use crate::ui::panes::timeline;
@@ -36,6 +37,9 @@ const ROOMY: f32 = 72.0;
 /// Draws the transport into the whole width of `ui`.
 pub fn show(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     let size = TextStyle::Body.resolve(ui.style()).size;
+    if layout::is_upright(ui.ctx().content_rect().size(), size) {
+        return upright(ui, input, actions);
+    }
     let named = ui.available_width() / size > ROOMY;
     ui.horizontal_centered(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
@@ -56,14 +60,44 @@ pub fn show(ui: &mut Ui, input: &Input, actions: &mut Actions) {
         ui.add_space(12.0);
         let rect = ui.available_rect_before_wrap();
         let rect = if input.has_hint && input.shown.is_some() { hint(ui, rect, input.theme) } else { rect };
-        if let (Some(shown), true) = (input.shown, rect.width() > 120.0) {
-            let rect = Rect::from_center_size(rect.center(), vec2(rect.width(), rect.height().min(3.6 * size)));
-            if let Some(cursor) = timeline::show(ui, rect, (shown, input.now.asks), input.theme) {
-                actions.ask(Action::Seek(cursor));
-            }
-            ui.allocate_rect(rect, Sense::hover());
-        }
+        timeline(ui, rect, input, actions);
     });
+}
+
+/// Rows of the transport in a window of `size` with type of `type_pt`.
+pub fn rows(size: egui::Vec2, type_pt: f32) -> f32 {
+    if layout::is_upright(size, type_pt) { 2.0 } else { 1.0 }
+}
+
+/// Draws the timeline above the steps, which are large enough for a thumb.
+fn upright(ui: &mut Ui, input: &Input, actions: &mut Actions) {
+    let (above, below) = ui.available_rect_before_wrap().split_top_bottom_at_fraction(0.5);
+    timeline(ui, above.shrink2(vec2(4.0, 0.0)), input, actions);
+    let mut below = widgets::inside(ui, below, egui::Layout::left_to_right(egui::Align::Center));
+    use Command as C;
+    let all = [C::OutBack, C::OverBack, C::IntoBack, C::Play, C::Into, C::Over, C::Out];
+    let all: Vec<Command> = all.into_iter().filter(|command| command.is_listed(&input.granularities)).collect();
+    let each = below.available_width() / all.len() as f32;
+    for command in all {
+        let cell = vec2(each, below.available_height());
+        below.allocate_ui_with_layout(cell, egui::Layout::centered_and_justified(egui::Direction::LeftToRight), |ui| {
+            match command {
+                Command::Play => play(ui, input, actions),
+                _ => step(ui, command, false, input, actions),
+            }
+        });
+    }
+}
+
+fn timeline(ui: &mut Ui, rect: Rect, input: &Input, actions: &mut Actions) {
+    let size = TextStyle::Body.resolve(ui.style()).size;
+    if let (Some(shown), true) = (input.shown, rect.width() > 120.0) {
+        let rect = Rect::from_center_size(rect.center(), vec2(rect.width(), rect.height().min(3.6 * size)));
+        if let Some(cursor) = timeline::show(ui, rect, (shown, input.now.asks), input.theme) {
+            actions.ask(Action::Seek(cursor));
+        }
+        ui.allocate_rect(rect, Sense::hover());
+    }
 }
 
 /// Letters across that the timeline keeps beside the hint.

@@ -10,6 +10,8 @@
 
 pub mod bounds;
 pub mod products;
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+mod wasm;
 pub mod whole;
 pub mod windows;
 #[cfg(target_arch = "x86_64")]
@@ -150,6 +152,10 @@ pub fn candidate(sum: Sum, block: &Cut, pixels: &[u8], stride: usize) -> u32 {
         Sum::Absolute => x86::candidate::<false>(block, pixels, stride),
         Sum::Squared => x86::candidate::<true>(block, pixels, stride),
     };
+    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+    if sum == Sum::Absolute {
+        return wasm::candidate(block, pixels, stride);
+    }
     #[cfg(not(target_arch = "x86_64"))]
     plain_candidate(sum, block, pixels, stride)
 }
@@ -184,7 +190,7 @@ pub fn window(block: &Cut, area: &Cut, (columns, rows): (usize, usize), costs: &
 fn plain(sum: Sum, block: &Cut, area: &Cut, columns: usize, costs: &mut [u32]) {
     for (j, costs) in costs.chunks_exact_mut(columns).enumerate() {
         for (i, cost) in costs.iter_mut().enumerate() {
-            *cost = until(sum, block, area, (i, j), u32::MAX).0;
+            *cost = candidate(sum, block, area.row(i, j), area.stride);
         }
     }
 }

@@ -8,8 +8,6 @@ use crate::base::wide::wide;
 
 /// Candidates below each other that share the rows that are read.
 const BELOW: usize = 2;
-/// Registers beside each other at most.
-const BESIDE: usize = 5;
 /// Candidates of the widest register.
 const WIDEST: usize = 16;
 
@@ -106,9 +104,9 @@ fn correlate(places: &Places, block: &[u32], area: &[u32], sums: &mut [u32]) {
 
 /// Place by place: the way on other processors.
 fn plain(places: &Places, block: &[u32], area: &[u32], sums: &mut [u32]) {
-    let Places { size: (pairs, height), reach, stride, .. } = *places;
+    let Places { size: (pairs, height), reach, columns, stride } = *places;
     let rows = sums.len() / stride;
-    for (j, i) in (0..rows).flat_map(|j| (0..stride).map(move |i| (j, i))) {
+    for (j, i) in (0..rows).flat_map(|j| (0..columns).map(move |i| (j, i))) {
         let row = |y: usize| &area[(j + y) * reach + i..][..2 * pairs];
         let of_block = |y: usize| &block[(y + 1) * pairs..][..pairs];
         let product = |a: u32, b: u32| (a & 0xffff) * (b & 0xffff) + (a >> 16) * (b >> 16);
@@ -121,7 +119,10 @@ fn plain(places: &Places, block: &[u32], area: &[u32], sums: &mut [u32]) {
 mod x86 {
     use std::arch::x86_64::*;
 
-    use super::{BELOW, BESIDE, Places};
+    use super::{BELOW, Places};
+
+    /// Registers beside each other at most.
+    const BESIDE: usize = 5;
 
     /// A register of numbers of 32 bits, each for one candidate.
     trait Lanes: Copy {

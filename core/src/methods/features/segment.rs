@@ -3,6 +3,8 @@
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
+use std::ops::Range;
+
 use crate::base::Observer;
 use crate::geometry::{Gray, Grid};
 
@@ -290,20 +292,32 @@ pub fn maxima(scores: &Grid<u8>, y: usize, mut tell: impl FnMut(usize)) {
     }
     let rows = [y - 1, y, y + 1].map(|y| scores.row(y));
     let end = width - RADIUS;
-    let mut x = RADIUS;
-    #[cfg(target_arch = "x86_64")]
+    let rest = wide_maxima(rows, RADIUS..end, &mut tell);
+    rest.filter(|&x| rows[1][x] > 0 && is_maximum(rows, x)).for_each(tell);
+}
+
+/// Calls `tell` with the maxima of so many `columns` as wide registers take, and returns the columns after these.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn wide_maxima(rows: [&[u8]; 3], mut columns: Range<usize>, tell: &mut impl FnMut(usize)) -> Range<usize> {
     if is_x86_feature_detected!("avx2") {
-        while x + LANES < end {
+        while columns.start + LANES < columns.end {
             // SAFETY: the processor has AVX2.
-            let mut maxima = unsafe { x86::maxima(rows, x) };
+            let mut maxima = unsafe { x86::maxima(rows, columns.start) };
             while maxima != 0 {
-                tell(x + maxima.trailing_zeros() as usize);
+                tell(columns.start + maxima.trailing_zeros() as usize);
                 maxima &= maxima - 1;
             }
-            x += LANES;
+            columns.start += LANES;
         }
     }
-    (x..end).filter(|&x| rows[1][x] > 0 && is_maximum(rows, x)).for_each(tell);
+    columns
+}
+
+/// Without wide registers all columns are left.
+#[cfg(not(target_arch = "x86_64"))]
+fn wide_maxima(_: [&[u8]; 3], columns: Range<usize>, _: &mut impl FnMut(usize)) -> Range<usize> {
+    columns
 }
 
 /// Whether the middle of three rows exceeds all its neighbours at column `x`.
