@@ -39,6 +39,25 @@ fn the_start_page_appears() {
 }
 
 #[test]
+fn a_clip_opens_by_keyboard_and_its_estimator_steps() {
+    let (server, mut browser) = (serve("/"), Browser::start());
+    let mut tab = open(&mut browser, &server, "");
+    tab.wait("the start page", |shown| shown.is_start() && !shown.is_busy());
+    tab.press("Enter");
+    let first = tab.wait("a step", |shown| !shown.text("step").is_empty() && !shown.is_busy());
+    println!("opened: {first:?}");
+    tab.screenshot("opened");
+    let began = std::time::Instant::now();
+    for _ in 0..10 {
+        let before = tab.settle().text("step").to_owned();
+        tab.press("ArrowRight");
+        tab.wait("the next step", |shown| shown.text("step") != before && !shown.is_busy());
+    }
+    println!("ten steps took {:?}", began.elapsed());
+    tab.screenshot("stepped");
+}
+
+#[test]
 fn a_lesson_opens_by_link_and_steps_by_keyboard() {
     let (server, mut browser) = (serve("/"), Browser::start());
     let mut tab = open(&mut browser, &server, "#lesson:kalman-filter/3");
