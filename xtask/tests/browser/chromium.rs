@@ -31,7 +31,7 @@ static TURN: Mutex<()> = Mutex::new(());
 /// A browser with a fresh profile, which ends with the test.
 pub struct Browser {
     process: Child,
-    profile: TempDir,
+    _profile: TempDir,
     port: u16,
     session: Session,
     _turn: MutexGuard<'static, ()>,
@@ -50,16 +50,7 @@ impl Browser {
         let process = command.spawn().expect("chromium starts");
         let (port, path) = debugging_port(profile.path());
         let session = Session::connect(port, &path);
-        Self { process, profile, port, session, _turn: turn }
-    }
-
-    /// The folder into which the pages of this browser download.
-    pub fn allow_downloads(&mut self) -> std::path::PathBuf {
-        let folder = self.profile.path().join("downloads");
-        std::fs::create_dir_all(&folder).expect("a folder for downloads");
-        let params = json!({ "behavior": "allow", "downloadPath": folder });
-        self.session.call("Browser.setDownloadBehavior", params);
-        folder
+        Self { process, _profile: profile, port, session, _turn: turn }
     }
 
     /// Opens an empty tab.

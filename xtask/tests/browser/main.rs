@@ -6,7 +6,7 @@
 mod chromium;
 mod tab;
 
-use std::time::Duration;
+use std::path::Path;
 
 use chromium::Browser;
 use serde_json::json;
@@ -116,7 +116,7 @@ fn memory_does_not_grow_with_the_steps() {
     let (server, mut browser) = (serve("/"), Browser::start());
     let mut tab = open(&mut browser, &server, "#synth:pillar&estimator=diamond");
     tab.wait("diamond search", |shown| shown.text("estimator") == "diamond" && !shown.is_busy());
-    let mut walk = |tab: &mut Tab, count| {
+    let walk = |tab: &mut Tab, count| {
         for _ in 0..count {
             let before = tab.settle().text("step").to_owned();
             tab.press("ArrowRight");
@@ -133,24 +133,53 @@ fn memory_does_not_grow_with_the_steps() {
 
 #[test]
 fn a_stopped_program_leaves_a_sentence() {
+    let panics = "document.getElementById('motionscope').dataset.panic = 'index out of bounds'";
+    let traps = "setTimeout(() => { throw new WebAssembly.RuntimeError('unreachable') })";
+    let lost =
+        "document.getElementById('motionscope').getContext('webgl2').getExtension('WEBGL_lose_context').loseContext()";
     let (server, mut browser) = (serve("/"), Browser::start());
-    let mut tab = open(&mut browser, &server, "");
-    tab.evaluate("document.getElementById('motionscope').dataset.panic = 'index out of bounds'");
-    std::thread::sleep(Duration::from_millis(100));
-    assert!(tab.is_stopped());
-    let words = tab.evaluate("document.getElementById('stopped').innerText");
-    assert!(words.as_str().is_some_and(|words| words.contains("Reload") && words.contains("index out of bounds")));
-    tab.screenshot("stopped");
+    for (cause, words) in [(panics, "index out of bounds"), (traps, "memory"), (lost, "graphics card")] {
+        let mut tab = open(&mut browser, &server, "");
+        tab.evaluate(&format!("{{ {cause} }}"));
+        let page = tab.wait_for_stop();
+        assert!(page.contains(words) && page.contains("Reload"), "{page}");
+        tab.screenshot(&format!("stopped-{}", words.replace(' ', "-")));
+        tab.take_faults();
+    }
 }
 
 #[test]
-fn a_lost_graphics_card_leaves_a_sentence() {
-    let (server, mut browser) = (serve("/"), Browser::start());
+fn a_new_version_is_taken_at_the_next_visit() {
+    let (folder, mut browser) = (tempfile::tempdir().expect("a folder"), Browser::start());
+    let old = copy_page(folder.path(), |text| text.to_owned());
+    let server = Server::start(folder.path().to_owned(), "/", 0).expect("the page is served");
     let mut tab = open(&mut browser, &server, "");
-    tab.evaluate(
-        "document.getElementById('motionscope').getContext('webgl2').getExtension('WEBGL_lose_context').loseContext()",
+    tab.evaluate("navigator.serviceWorker.ready.then(() => true)");
+    let new = "0123456789abcdef";
+    copy_page(folder.path(), |text| text.replace(&old, new));
+    tab.reload();
+    let names = "(await caches.keys()).join()";
+    let wait = format!("while (!/^[^,]*{new}$/.test({names})) await new Promise((next) => setTimeout(next, 50))");
+    tab.evaluate(&format!("(async () => {{ {wait} }})()"));
+    tab.reload();
+    assert_eq!(
+        tab.evaluate("document.querySelector('script[type=module]').src.includes('0123456789abcdef')"),
+        json!(true)
     );
-    std::thread::sleep(Duration::from_millis(300));
-    assert!(tab.is_stopped());
-    tab.take_faults();
+}
+
+/// Writes the files of the page into a folder with their names and texts changed, and returns the hash of the build.
+fn copy_page(folder: &Path, change: impl Fn(&str) -> String) -> String {
+    let mut hash = String::new();
+    for entry in std::fs::read_dir(xtask::default_folder()).expect("the page") {
+        let entry = entry.expect("a file");
+        let name = entry.file_name().into_string().expect("a name");
+        if let Some(stem) = name.strip_prefix("motionscope-").and_then(|rest| rest.strip_suffix(".bin")) {
+            stem.clone_into(&mut hash);
+        }
+        let content = std::fs::read(entry.path()).expect("its content");
+        let content = String::from_utf8(content).map_or_else(|error| error.into_bytes(), |text| change(&text).into());
+        std::fs::write(folder.join(change(&name)), content).expect("it is written");
+    }
+    hash
 }

@@ -35,11 +35,6 @@ impl Tab {
         self.wait("something to be shown", |_| true);
     }
 
-    /// Changes what stands behind `#` in the address, as a click on a link of the same page does.
-    pub fn follow(&mut self, hash: &str) {
-        self.evaluate(&format!("location.hash = {}", json!(hash)));
-    }
-
     /// Loads the page anew and waits until something is shown.
     pub fn reload(&mut self) {
         self.evaluate("delete document.getElementById('motionscope').dataset.shown");
@@ -56,11 +51,6 @@ impl Tab {
 
     /// Presses a key by its name in the browser, such as `ArrowRight` or `c`.
     pub fn press(&mut self, key: &str) {
-        self.press_with(key, 0);
-    }
-
-    /// Presses a key with modifiers: 1 is Alt, 2 is Ctrl, 8 is Shift.
-    pub fn press_with(&mut self, key: &str, modifiers: u32) {
         let number = match key {
             "Enter" => 13,
             "Escape" => 27,
@@ -75,17 +65,8 @@ impl Tab {
         let is_letter = key.len() == 1;
         let code = if is_letter { format!("Key{}", key.to_uppercase()) } else { key.to_owned() };
         for kind in ["rawKeyDown", "keyUp"] {
-            let event = json!({ "type": kind, "key": key, "code": code, "windowsVirtualKeyCode": number,
-                "modifiers": modifiers });
+            let event = json!({ "type": kind, "key": key, "code": code, "windowsVirtualKeyCode": number });
             self.call("Input.dispatchKeyEvent", event);
-        }
-    }
-
-    /// Clicks at a place in points.
-    pub fn click(&mut self, [x, y]: [f64; 2]) {
-        for kind in ["mouseMoved", "mousePressed", "mouseReleased"] {
-            let event = json!({ "type": kind, "x": x, "y": y, "button": "left", "clickCount": 1 });
-            self.call("Input.dispatchMouseEvent", event);
         }
     }
 
@@ -124,8 +105,18 @@ impl Tab {
         Some(Shown(shown))
     }
 
+    /// Waits until the page says that the program has stopped, and returns what it says.
+    pub fn wait_for_stop(&mut self) -> String {
+        let begun = Instant::now();
+        while !self.is_stopped() {
+            assert!(begun.elapsed() < PATIENCE, "the page does not say that the program has stopped");
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        self.evaluate("document.getElementById('stopped').innerText").as_str().unwrap_or_default().to_owned()
+    }
+
     /// Whether the page says that the program has stopped.
-    pub fn is_stopped(&mut self) -> bool {
+    fn is_stopped(&mut self) -> bool {
         self.evaluate("document.getElementById('stopped')?.hidden === false") == json!(true)
     }
 
