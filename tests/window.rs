@@ -46,6 +46,8 @@ mod placing;
 mod predict;
 #[path = "window/present.rs"]
 mod present;
+#[path = "window/shown.rs"]
+mod shown;
 #[path = "window/stages.rs"]
 mod stages;
 #[path = "window/start.rs"]

@@ -25,7 +25,10 @@ function read() {
   const { panic, refused, shown } = canvas.dataset;
   if (panic) stop("Motionscope has stopped because of a fault of its own. Reload the page to go on.", panic);
   else if (refused) stop("Motionscope cannot draw in this browser. Update it, or turn on hardware acceleration in its settings.", refused);
-  else if (shown) element("loading").hidden = true;
+  else if (shown && !element("loading").hidden) {
+    performance.mark("shown");
+    element("loading").hidden = true;
+  }
 }
 
 function hasWebGl() {
@@ -43,6 +46,9 @@ async function download() {
       element("progress").value = received;
       element("received").textContent = `${megabytes(received)} of ${megabytes(PACKED)} MB`;
       controller.enqueue(chunk);
+    },
+    flush() {
+      performance.mark("downloaded");
     },
   });
   const program = response.body.pipeThrough(count).pipeThrough(new DecompressionStream("gzip"));

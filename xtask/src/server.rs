@@ -5,18 +5,21 @@ use std::io::{BufRead as _, BufReader, Write as _};
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 
 use anyhow::{Context as _, Result, ensure};
 
-/// The server; its thread ends with the process.
+/// A server of one folder.
 #[derive(Debug)]
 pub struct Server {
-    address: String,
+    port: u16,
+    base: String,
+    is_stopping: Arc<AtomicBool>,
     thread: JoinHandle<()>,
 }
 
-/// What is served, and below which path.
+/// The folder, and the path below which it is served.
 struct Site {
     folder: PathBuf,
     base: String,
@@ -32,25 +35,35 @@ impl Server {
         ensure!(has_page, "there is no page in {}; run `cargo xtask web` first", folder.display());
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port));
         let listener = listener.with_context(|| format!("port {port} is taken; choose another one with --port"))?;
-        let address = format!("http://127.0.0.1:{}{base}", listener.local_addr()?.port());
+        let port = listener.local_addr()?.port();
         let site = Arc::new(Site { folder, base: base.to_owned() });
+        let is_stopping = Arc::new(AtomicBool::new(false));
+        let stops = Arc::clone(&is_stopping);
         let thread = std::thread::spawn(move || {
-            for stream in listener.incoming().flatten() {
+            for stream in listener.incoming().take_while(|_| !stops.load(Ordering::Acquire)).flatten() {
                 let site = Arc::clone(&site);
-                // A browser that goes away in the middle is no fault.
+                // A browser may break a connection off at any time.
                 std::thread::spawn(move || site.answer(stream).ok());
             }
         });
-        Ok(Self { address, thread })
+        Ok(Self { port, base: base.to_owned(), is_stopping, thread })
     }
 
     /// Where the page is.
-    pub fn address(&self) -> &str {
-        &self.address
+    pub fn address(&self) -> String {
+        format!("http://127.0.0.1:{}{}", self.port, self.base)
     }
 
     /// Serves until the process is ended.
     pub fn wait(self) {
+        self.thread.join().ok();
+    }
+
+    /// Stops serving: from now on, connections are refused.
+    pub fn stop(self) {
+        self.is_stopping.store(true, Ordering::Release);
+        // The thread waits for a connection before it looks.
+        TcpStream::connect((Ipv4Addr::LOCALHOST, self.port)).ok();
         self.thread.join().ok();
     }
 }

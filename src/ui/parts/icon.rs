@@ -83,4 +83,16 @@ mod tests {
         let middle = 4 * (SIDE / 2 * SIDE + SIDE / 2) as usize;
         assert_eq!(icon.rgba[middle + 3], 255);
     }
+
+    #[test]
+    fn the_icon_of_the_page_is_the_same() {
+        let svg = include_str!("../../../web/icon.svg");
+        let tree = resvg::usvg::Tree::from_str(svg, &resvg::usvg::Options::default()).expect("an SVG");
+        let mut drawn = Pixmap::new(SIDE, SIDE).expect("a pixmap");
+        resvg::render(&tree, Transform::identity(), &mut drawn.as_mut());
+        let drawn = drawn.pixels().iter().map(|pixel| pixel.demultiply());
+        let drawn: Vec<u8> = drawn.flat_map(|c| [c.red(), c.green(), c.blue(), c.alpha()]).collect();
+        let differing = icon().rgba.iter().zip(&drawn).filter(|(a, b)| a.abs_diff(**b) > 8).count();
+        assert!(differing < 40, "{differing} values differ");
+    }
 }

@@ -1,0 +1,185 @@
+//! The page in a real browser: Chromium without a window, driven as a person would drive it.
+//!
+//! `cargo xtask web` builds the page, `cargo test --manifest-path xtask/Cargo.toml --test browser` tests it. With
+//! `SCREENSHOTS=folder` pictures of the page are written there.
+
+mod chromium;
+mod tab;
+
+use std::path::Path;
+
+use chromium::Browser;
+use serde_json::json;
+use tab::Tab;
+use xtask::Server;
+
+/// The page, served below a path.
+fn serve(base: &str) -> Server {
+    Server::start(xtask::default_folder(), base, 0).expect("the page is served")
+}
+
+/// Opens the page, followed by a link to what it is to show.
+fn open(browser: &mut Browser, server: &Server, link: &str) -> Tab {
+    let mut tab = Tab::new(browser);
+    tab.open(&format!("{}{link}", server.address()));
+    tab
+}
+
+#[test]
+fn the_start_page_appears() {
+    let (server, mut browser) = (serve("/"), Browser::start());
+    let mut tab = open(&mut browser, &server, "");
+    tab.wait("the start page", |shown| shown.is_start() && !shown.is_busy());
+    assert_eq!(tab.evaluate("document.getElementById('loading').hidden"), json!(true));
+    let began = "const at = (name) => performance.getEntriesByName(name)[0].startTime; at('shown') - at('downloaded')";
+    let began = tab.evaluate(&format!("{{ {began} }}")).as_f64().expect("a time");
+    println!("start page {began:.0} ms after the download");
+    tab.screenshot("start");
+    assert!(began < 10_000.0, "{began} ms");
+}
+
+#[test]
+fn a_clip_opens_by_keyboard_and_its_estimator_steps() {
+    let (server, mut browser) = (serve("/"), Browser::start());
+    let mut tab = open(&mut browser, &server, "");
+    tab.wait("the start page", |shown| shown.is_start() && !shown.is_busy());
+    tab.press("Enter");
+    let first = tab.wait("a step", |shown| !shown.text("step").is_empty() && !shown.is_busy());
+    println!("opened: {first:?}");
+    tab.screenshot("opened");
+    let began = std::time::Instant::now();
+    for _ in 0..10 {
+        let before = tab.settle().text("step").to_owned();
+        tab.press("ArrowRight");
+        tab.wait("the next step", |shown| shown.text("step") != before && !shown.is_busy());
+    }
+    println!("ten steps took {:?}", began.elapsed());
+    tab.screenshot("stepped");
+}
+
+#[test]
+fn a_lesson_opens_by_link_and_steps_by_keyboard() {
+    let (server, mut browser) = (serve("/"), Browser::start());
+    let mut tab = open(&mut browser, &server, "#lesson:kalman-filter/3");
+    tab.wait("the page of the lesson", |shown| shown.text("lesson") == "kalman-filter/3" && !shown.is_busy());
+    tab.screenshot("lesson");
+    let mut steps = Vec::new();
+    for _ in 0..10 {
+        let before = tab.settle().text("step").to_owned();
+        tab.press("ArrowRight");
+        tab.wait("the next step", |shown| shown.text("step") != before && !shown.is_busy());
+        steps.push(before);
+    }
+    for step in steps.iter().rev() {
+        tab.press("ArrowLeft");
+        tab.wait("the step before", |shown| shown.text("step") == step && !shown.is_busy());
+    }
+}
+
+#[test]
+fn a_link_opens_a_clip_with_an_estimator_and_is_heard() {
+    let (server, mut browser) = (serve("/"), Browser::start());
+    let mut tab = open(&mut browser, &server, "#synth:pillar&estimator=diamond");
+    let shown = tab.wait("diamond search", |shown| shown.text("estimator") == "diamond" && !shown.is_busy());
+    assert_eq!(tab.evaluate("document.getElementById('sentence').textContent"), json!(shown.text("sentence")));
+    tab.screenshot("diamond");
+}
+
+#[test]
+fn it_works_below_a_path_and_without_the_server() {
+    let (server, mut browser) = (serve("/courses/vision/"), Browser::start());
+    let mut tab = open(&mut browser, &server, "");
+    tab.evaluate("navigator.serviceWorker.ready.then(() => true)");
+    server.stop();
+    tab.reload();
+    tab.wait("the start page", |shown| shown.is_start());
+    tab.screenshot("offline");
+}
+
+#[test]
+fn a_phone_shows_a_lesson_and_steps_by_touch() {
+    let (server, mut browser) = (serve("/"), Browser::start());
+    let mut tab = Tab::new(&mut browser);
+    tab.resize([390, 844], 2.0, true);
+    tab.open(&format!("{}#lesson:kalman-filter/3", server.address()));
+    tab.wait("the page of the lesson", |shown| shown.text("lesson") == "kalman-filter/3" && !shown.is_busy());
+    tab.tap([195.0, 300.0]);
+    tab.settle();
+    tab.screenshot("phone");
+    let scrolls =
+        "document.scrollingElement.scrollWidth > innerWidth || document.scrollingElement.scrollHeight > innerHeight";
+    assert_eq!(tab.evaluate(scrolls), json!(false));
+}
+
+#[test]
+fn memory_does_not_grow_with_the_steps() {
+    let (server, mut browser) = (serve("/"), Browser::start());
+    let mut tab = open(&mut browser, &server, "#synth:pillar&estimator=diamond");
+    tab.wait("diamond search", |shown| shown.text("estimator") == "diamond" && !shown.is_busy());
+    let walk = |tab: &mut Tab, count| {
+        for _ in 0..count {
+            let before = tab.settle().text("step").to_owned();
+            tab.press("ArrowRight");
+            tab.wait("the next step", |shown| shown.text("step") != before);
+        }
+        tab.memory()
+    };
+    let (program, page) = walk(&mut tab, 20);
+    let (program_after, page_after) = walk(&mut tab, 200);
+    println!("memory after 20 steps {program} and {page} bytes, after 220 {program_after} and {page_after}");
+    assert!(program_after < program + (32 << 20), "the program grew from {program} to {program_after} bytes");
+    assert!(page_after < page + (8 << 20), "the page grew from {page} to {page_after} bytes");
+}
+
+#[test]
+fn a_stopped_program_leaves_a_sentence() {
+    let panics = "document.getElementById('motionscope').dataset.panic = 'index out of bounds'";
+    let traps = "setTimeout(() => { throw new WebAssembly.RuntimeError('unreachable') })";
+    let lost =
+        "document.getElementById('motionscope').getContext('webgl2').getExtension('WEBGL_lose_context').loseContext()";
+    let (server, mut browser) = (serve("/"), Browser::start());
+    for (cause, words) in [(panics, "index out of bounds"), (traps, "memory"), (lost, "graphics card")] {
+        let mut tab = open(&mut browser, &server, "");
+        tab.evaluate(&format!("{{ {cause} }}"));
+        let page = tab.wait_for_stop();
+        assert!(page.contains(words) && page.contains("Reload"), "{page}");
+        tab.screenshot(&format!("stopped-{}", words.replace(' ', "-")));
+        tab.take_faults();
+    }
+}
+
+#[test]
+fn a_new_version_is_taken_at_the_next_visit() {
+    let (folder, mut browser) = (tempfile::tempdir().expect("a folder"), Browser::start());
+    let old = copy_page(folder.path(), |text| text.to_owned());
+    let server = Server::start(folder.path().to_owned(), "/", 0).expect("the page is served");
+    let mut tab = open(&mut browser, &server, "");
+    tab.evaluate("navigator.serviceWorker.ready.then(() => true)");
+    let new = "0123456789abcdef";
+    copy_page(folder.path(), |text| text.replace(&old, new));
+    tab.reload();
+    let names = "(await caches.keys()).join()";
+    let wait = format!("while (!/^[^,]*{new}$/.test({names})) await new Promise((next) => setTimeout(next, 50))");
+    tab.evaluate(&format!("(async () => {{ {wait} }})()"));
+    tab.reload();
+    assert_eq!(
+        tab.evaluate("document.querySelector('script[type=module]').src.includes('0123456789abcdef')"),
+        json!(true)
+    );
+}
+
+/// Writes the files of the page into a folder with their names and texts changed, and returns the hash of the build.
+fn copy_page(folder: &Path, change: impl Fn(&str) -> String) -> String {
+    let mut hash = String::new();
+    for entry in std::fs::read_dir(xtask::default_folder()).expect("the page") {
+        let entry = entry.expect("a file");
+        let name = entry.file_name().into_string().expect("a name");
+        if let Some(stem) = name.strip_prefix("motionscope-").and_then(|rest| rest.strip_suffix(".bin")) {
+            stem.clone_into(&mut hash);
+        }
+        let content = std::fs::read(entry.path()).expect("its content");
+        let content = String::from_utf8(content).map_or_else(|error| error.into_bytes(), |text| change(&text).into());
+        std::fs::write(folder.join(change(&name)), content).expect("it is written");
+    }
+    hash
+}
