@@ -3,6 +3,7 @@
 use wasm_bindgen::JsCast as _;
 
 use super::{Start, app, begin};
+use crate::files;
 
 /// The id of the canvas on which the page has the window drawn.
 const CANVAS: &str = "motionscope";
@@ -17,6 +18,8 @@ pub fn run_in_page() {
         };
         let create = |cc: &eframe::CreationContext<'_>| {
             let mut app = app::App::new(&cc.egui_ctx, cc.storage)?;
+            let ctx = cc.egui_ctx.clone();
+            files::page::listen(move || ctx.request_repaint()).map_err(|_| "the page takes no files")?;
             begin(&mut app, Start::default());
             Ok(Box::new(app) as Box<dyn eframe::App>)
         };

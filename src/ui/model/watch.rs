@@ -7,6 +7,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, SystemTime};
 
+use crate::files;
+
 /// How often the file is looked at.
 const PERIOD: Duration = Duration::from_millis(500);
 
@@ -46,7 +48,7 @@ impl Watch {
 }
 
 fn written(path: &Path) -> Option<SystemTime> {
-    path.metadata().and_then(|data| data.modified()).ok()
+    files::modified(path).ok()
 }
 
 #[cfg(test)]

@@ -18,6 +18,7 @@ use motionscope_core::base::words::capital;
 use motionscope_core::course::estimators;
 use motionscope_core::synth::SCENES;
 
+use crate::files;
 use crate::paint::Theme;
 use crate::session::lesson::{self, Address};
 use crate::ui::commands::{Action, Actions, Command};
@@ -97,7 +98,7 @@ impl State {
         let ctx = ctx.clone();
         // A disk of the network may take long to say that something is not there.
         let look = move || {
-            let missing = paths.iter().map(|path| is_file(path) && !path.exists()).collect();
+            let missing = paths.iter().map(|path| is_file(path) && !files::exists(path)).collect();
             sender.send(missing).ok();
             ctx.request_repaint();
         };
@@ -208,7 +209,7 @@ impl Drawn<'_, '_> {
                 if close.clicked() {
                     self.actions.command(Command::StartPage);
                 }
-                for command in BUTTONS.into_iter().rev() {
+                for command in BUTTONS.into_iter().filter(|command| command.is_offered()).rev() {
                     self.button(ui, command);
                 }
                 self.item(&close);
@@ -237,7 +238,10 @@ impl Drawn<'_, '_> {
         if let Some(loading) = self.input.loading {
             ui.horizontal(|ui| {
                 ui.spinner();
-                ui.label(format!("Opening {}…", widgets::elide(&loading.name.display().to_string(), 60)));
+                ui.label(format!(
+                    "Opening {}…",
+                    widgets::elide(&files::label(Path::new(&loading.name)).to_string(), 60)
+                ));
                 if ui.button("Cancel").clicked() {
                     self.actions.ask(Action::CancelOpening);
                 }
