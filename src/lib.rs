@@ -3,6 +3,7 @@
 #[cfg(not(target_arch = "wasm32"))]
 pub mod cli;
 pub mod experiment;
+pub mod files;
 pub mod media;
 pub mod paint;
 pub mod results;

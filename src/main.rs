@@ -7,7 +7,7 @@
 #[cfg(not(target_arch = "wasm32"))]
 fn main() -> std::process::ExitCode {
     env_logger::init();
-    let _run = motionscope::media::temporary::begin(eframe::storage_dir("motionscope"));
+    let _run = motionscope::files::temporary::begin(eframe::storage_dir("motionscope"));
     motionscope::cli::main(std::env::args_os())
 }
 

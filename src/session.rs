@@ -54,7 +54,7 @@ pub mod trust;
 mod write;
 
 use std::ffi::OsStr;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use motionscope_core::base::Error;
 use motionscope_core::run::Pace;
@@ -62,6 +62,7 @@ use serde::Serialize;
 
 use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Position};
+use crate::files;
 use crate::media::{self, Given, export};
 use crate::paint::Freehand;
 use crate::paint::primitive::Rect;
@@ -153,7 +154,7 @@ impl Session {
     /// # Errors
     /// One sentence that names the file, the reason and a remedy.
     pub fn load(path: &Path) -> Result<Self, Error> {
-        let name = Error::short_name(&path.display().to_string());
+        let name = Error::short_name(&files::label(path).to_string());
         let about = |error: String| Error::new(format!("cannot open the session {name}: {error}"));
         let text = media::read_text(path).map_err(|error| about(error.to_string()))?;
         let read = || {
@@ -161,6 +162,16 @@ impl Session {
             trust::check(path, &text, [&session]).map(|()| session)
         };
         read().map_err(|error: Error| about(error.to_string()))
+    }
+
+    /// The files that it names and that are not there.
+    pub fn missing_files(&self) -> Vec<PathBuf> {
+        self.paths().filter(|path| !files::exists(path)).map(Path::to_owned).collect()
+    }
+
+    /// The files that it names.
+    fn paths(&self) -> impl Iterator<Item = &Path> {
+        self.experiment.source.paths().into_iter().chain(self.experiment.given.paths())
     }
 
     /// Parses a session whose paths are relative to `folder`.

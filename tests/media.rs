@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use motionscope::media::{Open, OpenedClip, Progress, open};
+use motionscope::files;
+use motionscope::files::given::{self, GivenFile};
+use motionscope::media::{Open, OpenedClip, Progress, export, open};
 use motionscope_core::base::Error;
 use motionscope_core::data::{Clip, Frame};
 use proptest::prelude::*;
@@ -341,4 +343,94 @@ proptest! {
         }
         let _ = survive(&bytes);
     }
+}
+
+/// All files below `folder`, as they are given to a page.
+fn given_files(folder: &Path, around: &str) -> Vec<GivenFile> {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let files = entries.flat_map(|path| {
+        let name = format!("{around}{}", path.file_name().unwrap().to_str().unwrap());
+        match path.is_dir() {
+            true => given_files(&path, &format!("{name}/")),
+            false => vec![GivenFile { name, bytes: fs::read(&path).unwrap().into() }],
+        }
+    });
+    files.collect()
+}
+
+/// All that is known of the clip at `path`: its facts, its frames and their truth, or why it is not opened.
+fn everything(path: &Path) -> String {
+    let clip = match open(path, &ours()) {
+        Ok(opened) => opened.clip,
+        Err(error) => return error.to_string().replace(&path.display().to_string(), &files::label(path).to_string()),
+    };
+    let digest = |value: String| export::hash(value.as_bytes());
+    let mut known = vec![format!("{:?} {:?}", clip.info(), clip.calibration())];
+    for t in 0..clip.info().frames.unwrap_or(2) {
+        known.push(format!("{:x}", digest(format!("{:?}", clip.frame(t).map(|frame| frame.luma().clone())))));
+        if let Some(truth) = clip.truth() {
+            let fields = format!("{:?} {:?}", truth.flow(t), truth.occlusion(t));
+            let objects = format!("{:?} {:?} {:?}", truth.objects(t), truth.foreground(t), truth.disparity(t));
+            known.push(format!("{:x} {:x}", digest(fields), digest(objects)));
+        }
+    }
+    known.join("\n")
+}
+
+#[test]
+fn memory_gives_the_same_clips_as_the_disk() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
+    let given = given::take(given_files(&folder, "")).unwrap();
+    let entries = files::entries(&given).collect::<Vec<_>>();
+    assert!(entries.len() > 20);
+    for path in entries {
+        let name = path.file_name().unwrap().to_str().unwrap();
+        let (found, wanted) = (everything(&path), everything(&folder.join(name)));
+        assert_eq!(found, wanted.replace(&folder.join(name).display().to_string(), name), "{name}");
+    }
+}
+
+#[test]
+fn pictures_in_memory_come_with_their_ground_truth_and_their_right_view() {
+    let folder = tempfile::tempdir().unwrap();
+    for scene in motionscope_core::synth::SCENES {
+        let mut difficulty = scene.difficulty();
+        (difficulty.frames, difficulty.width, difficulty.height) = (3, 96, 64);
+        let Ok(clip) = scene.clip(&difficulty) else { continue };
+        export::clip(&clip, &folder.path().join(scene.id), None).unwrap();
+    }
+    let given = given::take(given_files(folder.path(), "")).unwrap();
+    let mut kinds = std::collections::BTreeSet::new();
+    for path in files::entries(&given) {
+        let on_disk = folder.path().join(path.file_name().unwrap());
+        assert_eq!(everything(&path), everything(&on_disk), "{}", path.display());
+        let clip = open(&path, &ours()).unwrap().clip;
+        kinds.extend(clip.truth().iter().flat_map(|truth| truth.kinds()));
+        kinds.extend(clip.right().map(|_| "right view"));
+    }
+    assert!(["flow", "occlusion", "right view"].iter().all(|kind| kinds.contains(kind)), "{kinds:?}");
+}
+
+#[test]
+fn a_clip_is_saved_to_memory_as_to_the_disk() {
+    let clip = own("h264_gray.mp4");
+    let (disk, memory) = (tempfile::tempdir().unwrap(), Path::new("/saved/clip"));
+    files::create_dir_all(memory).unwrap();
+    // A second time over the first.
+    for _ in 0..2 {
+        export::clip(&clip, disk.path(), None).unwrap();
+        export::clip(&clip, memory, None).unwrap();
+    }
+    let names = |folder: &Path| -> Vec<_> {
+        let names = files::entries(folder).map(|path| path.file_name().unwrap().to_owned());
+        names.collect::<std::collections::BTreeSet<_>>().into_iter().collect()
+    };
+    assert_eq!(names(memory), names(disk.path()), "and nothing unfinished");
+    for name in names(memory) {
+        assert_eq!(files::read(&memory.join(&name)).unwrap(), fs::read(disk.path().join(&name)).unwrap(), "{name:?}");
+    }
+    let copied = Path::new("/saved/copy.mp4");
+    export::copy(&fixture("h264_gray.mp4"), copied).unwrap();
+    assert_eq!(everything(copied).replace("copy.mp4", "h264_gray.mp4"), everything(&fixture("h264_gray.mp4")));
+    assert!(export::save(Path::new("/saved/no/a.png"), b"x").unwrap_err().to_string().contains("there is no folder"));
 }

@@ -8,6 +8,7 @@ use motionscope_core::base::Error;
 use motionscope_core::params::Params;
 use motionscope_core::synth::{self, Difficulty};
 
+use crate::files;
 use crate::media::{self, Open, OpenedClip};
 
 /// The prefix of a synthetic scene: `synth:pillar`, `synth:pillar,noise=5,speed=2`.
@@ -63,7 +64,7 @@ impl Source {
     /// As [`Source::parse`].
     pub fn typed(name: impl AsRef<OsStr>) -> Result<Self, Error> {
         let name = name.as_ref();
-        let scene = name.to_str().filter(|_| !Path::new(name).exists()).and_then(|name| synth::scene(name).ok());
+        let scene = name.to_str().filter(|_| !files::exists(Path::new(name))).and_then(|name| synth::scene(name).ok());
         scene.map_or_else(|| Self::parse(name), |scene| Self::synth(scene.id))
     }
 

@@ -13,6 +13,7 @@ use super::export::InputKind;
 use super::names::{file_name, stem};
 use super::sequence::{Sequence, parent};
 use super::{Given, Open, about, truth};
+use crate::files;
 
 /// Units of a 16-bit depth per m, as in the recordings of TUM and ICL-NUIM.
 const UNITS_PER_M: f32 = 5000.0;
@@ -72,9 +73,9 @@ impl Companion for Depths {
 
     /// The folder `depth` in that of the frames or beside it. A given right view takes its place.
     fn beside(left: &LeftView<'_>, given: &Given) -> Option<Self> {
-        let frames = parent(left.files.first().filter(|_| given.right.is_none())?).canonicalize().ok()?;
+        let frames = files::canonicalize(parent(left.files.first().filter(|_| given.right.is_none())?)).ok()?;
         let places = [Some(frames.join(FOLDER)), frames.parent().map(|above| above.join(FOLDER))];
-        places.into_iter().flatten().find(|folder| folder.is_dir() && *folder != frames).map(Self::from)
+        places.into_iter().flatten().find(|folder| files::is_dir(folder) && *folder != frames).map(Self::from)
     }
 
     fn files(&self) -> Vec<PathBuf> {

@@ -1,6 +1,5 @@
 //! Detections: MOTChallenge's rows, beside a clip or by themselves.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -15,6 +14,7 @@ use super::names::{extension, file_name};
 use super::numbers::whole;
 use super::truth::mot::{self, MOST_IN_A_FRAME};
 use super::{Given, Open, about, check_size};
+use crate::files::{self, File};
 
 /// Margin around the boxes of a clip without images, in px.
 const MARGIN_PX: f32 = 16.0;
@@ -71,7 +71,7 @@ impl Companion for Detections {
     /// The table that lies where MOTChallenge puts it: `det.txt` or `det/det.txt` in the folder of the pictures, or beside that folder
     /// where it is called `img1`. One beside a video may be of another clip.
     fn beside(left: &LeftView<'_>, _given: &Given) -> Option<Self> {
-        let folder = Some(left.path).filter(|path| path.is_dir() && *path != Path::new("-"))?;
+        let folder = Some(left.path).filter(|path| files::is_dir(path) && *path != Path::new("-"))?;
         let above = if folder.ends_with("img1") { folder.parent() } else { None };
         let folders = [Some(folder), above].into_iter().flatten();
         let mut files = folders.flat_map(|folder| [folder.join("det.txt"), folder.join("det").join("det.txt")]);

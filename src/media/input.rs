@@ -1,6 +1,5 @@
 //! A file, or standard input, that can be read at any place and never beyond what it holds.
 
-use std::fs::{self, File, FileType};
 use std::io::{BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 
@@ -8,6 +7,7 @@ use motionscope_core::base::Error;
 
 use super::cannot_read;
 use super::names::file_name;
+use crate::files::{self, File, Kind};
 
 /// Largest clip that is read from a pipe, in bytes.
 const MAX_PIPE_BYTES: u64 = 1 << 30;
@@ -31,12 +31,13 @@ impl Node {
     /// # Errors
     /// A sentence, without the path, if nothing is there, or if it is a device, a socket, or a virtual file as in `/proc`.
     pub(crate) fn of(path: &Path) -> Result<Self, Error> {
-        let kind = fs::metadata(path).map_err(|error| cannot_read(&error))?.file_type();
-        match kind {
-            kind if kind.is_dir() => Ok(Self::Folder),
-            kind if kind.is_file() && is_virtual(path) => Err(refused("a virtual file of the operating system")),
-            kind if kind.is_file() => Ok(Self::File),
-            kind => special(kind),
+        match files::facts(path).map_err(|error| cannot_read(&error))?.kind {
+            Kind::Folder => Ok(Self::Folder),
+            Kind::File if is_virtual(path) => Err(refused("a virtual file of the operating system")),
+            Kind::File => Ok(Self::File),
+            Kind::Pipe => Ok(Self::Stream),
+            Kind::Socket => Err(refused("a socket")),
+            Kind::Device => Err(refused("a device")),
         }
     }
 }
@@ -48,22 +49,7 @@ fn refused(what: &str) -> Error {
 /// Whether the file at `path` is part of Linux's view of itself: such files claim to be empty, or never end.
 fn is_virtual(path: &Path) -> bool {
     let is_within = |whole: &Path| ["/proc", "/sys"].iter().any(|root| whole.starts_with(root));
-    cfg!(target_os = "linux") && fs::canonicalize(path).is_ok_and(|whole| is_within(&whole))
-}
-
-#[cfg(unix)]
-fn special(kind: FileType) -> Result<Node, Error> {
-    use std::os::unix::fs::FileTypeExt;
-    match kind {
-        kind if kind.is_fifo() => Ok(Node::Stream),
-        kind if kind.is_socket() => Err(refused("a socket")),
-        _ => Err(refused("a device")),
-    }
-}
-
-#[cfg(not(unix))]
-fn special(_kind: FileType) -> Result<Node, Error> {
-    Err(refused("neither a file nor a folder"))
+    cfg!(target_os = "linux") && files::canonicalize(path).is_ok_and(|whole| is_within(&whole))
 }
 
 /// The text in the file at `path`, or what a pipe there delivers, without a byte-order mark.
@@ -126,8 +112,8 @@ impl Input {
         if node == Node::Stream {
             return Self::pipe(file_name(path), file);
         }
-        let facts = file.metadata().map_err(|error| cannot_read(&error))?;
-        Ok(Self::new(file_name(path), facts.len(), Box::new(file)))
+        let size = file.size().map_err(|error| cannot_read(&error))?;
+        Ok(Self::new(file_name(path), size, Box::new(file)))
     }
 
     fn pipe(name: String, reader: impl Read) -> Result<Self, Error> {

@@ -33,12 +33,12 @@ mod size;
 mod stereo;
 mod stills;
 pub(crate) mod table;
-pub mod temporary;
 mod tiff;
 mod truth;
 mod unsupported;
 mod video;
 
+use crate::files;
 use std::path::Path;
 
 use motionscope_core::base::Error;
@@ -53,6 +53,7 @@ pub use open::{open, open_pair, open_scene};
 pub use options::{Open, Progress};
 pub use picture::Contrast;
 pub(crate) use reason::{about, cannot_read};
+pub(crate) use sequence::is_called_truth;
 pub(crate) use size::{MAX_AREA_PX, MAX_SIDE_PX, check_size};
 
 /// Refuses a path at which a pipe or a device lies instead of a file or a folder: opening one could block, or do something.
@@ -61,7 +62,7 @@ pub(crate) use size::{MAX_AREA_PX, MAX_SIDE_PX, check_size};
 /// One sentence with the path.
 pub fn check_is_file(path: &Path) -> Result<(), Error> {
     // What is not there is told when it is opened.
-    let node = if path.exists() { Node::of(path) } else { Ok(Node::File) };
+    let node = if files::exists(path) { Node::of(path) } else { Ok(Node::File) };
     match node {
         Ok(Node::File | Node::Folder) => Ok(()),
         Ok(Node::Stream) => Err(about(path, &Error::new("it is a named pipe; sessions and lessons name files"))),
@@ -88,6 +89,16 @@ pub fn check_detections(path: &Path) -> Result<(), Error> {
 /// A sentence, without the path, if it cannot be read, is no text, or too large for one.
 pub fn read_text(path: &Path) -> Result<String, Error> {
     input::text(path)
+}
+
+/// Whether the file at `path` is a picture, an animation or a video, by its content.
+pub fn is_clip(path: &Path) -> bool {
+    files::is_file(path) && !is_truth(path) && reader::kind(path).is_ok()
+}
+
+/// Whether the folder at `path` holds pictures of a clip.
+pub fn holds_pictures(path: &Path) -> bool {
+    sequence::Sequence::find(path).is_ok()
 }
 
 /// Whether the file at `path` is a table of detections without identities, as `det.txt` is.

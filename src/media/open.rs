@@ -16,6 +16,7 @@ use super::input::Node;
 use super::stereo::{CameraCalibration, Half, SecondView, half};
 use super::truth::GroundTruth;
 use super::{Given, Open, RightView, Source, about, cache, reader, reason, stills};
+use crate::files;
 
 /// Opens any clip: a picture or a folder of pictures, an animation, a video file, or `-` for standard input.
 ///
@@ -25,7 +26,7 @@ use super::{Given, Open, RightView, Source, about, cache, reader, reason, stills
 /// One sentence that names the file, tells what is wrong and what to do.
 pub fn open(path: &Path, options: &Open) -> Result<OpenedClip, Error> {
     // Before anything is opened that never ends.
-    if path.exists() {
+    if files::exists(path) {
         Node::of(path).map_err(|error| about(path, &error))?;
     }
     let OpenedClip { clip, inputs } =
@@ -128,7 +129,7 @@ fn with_truth(opened: OpenedClip, left: &LeftView<'_>, options: &Open) -> Result
 pub(crate) fn needs_ffmpeg(path: &Path) -> bool {
     let built_in = Open { ffmpeg: false, cache_bytes: 0, ..Open::default() };
     let is_foreign = |path: &Path| {
-        path.is_file()
+        files::is_file(path)
             && matches!(reader::kind(path), Ok(Kind::Video(_)))
             && reader::guarded(|| reader::read(path, &built_in)).is_err()
     };

@@ -2,7 +2,6 @@
 
 use std::error::Error as _;
 use std::fmt::{self, Display};
-use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 use std::str::FromStr;
@@ -14,6 +13,7 @@ use motionscope_core::geometry::Grid;
 
 use super::tiff::{self, Page, Paged};
 use super::{MAX_AREA_PX, MAX_SIDE_PX, cannot_read, check_size, reason};
+use crate::files::File;
 
 /// An image whose header was read but not its pixels.
 pub(crate) struct Picture<D> {
@@ -72,7 +72,7 @@ fn is_cut_jpeg(file: &mut File) -> io::Result<bool> {
     let is_jpeg = file.read(&mut head)? == 3 && head == JPEG;
     let mut tail = Vec::new();
     if is_jpeg {
-        file.seek(SeekFrom::Start(file.metadata()?.len().saturating_sub(TAIL_BYTES)))?;
+        file.seek(SeekFrom::Start(file.size()?.saturating_sub(TAIL_BYTES)))?;
         file.read_to_end(&mut tail)?;
     }
     file.rewind()?;

@@ -8,13 +8,14 @@ use super::catch_panic::catch_panic;
 use super::detect_format::{self, Kind};
 use super::input::{Input, Node};
 use super::{Open, Source, animation, reason, sequence, stills, video};
+use crate::files;
 
 /// Reads the pictures, the animation or the video at `path`, or `-` for standard input.
 ///
 /// # Errors
 /// One sentence, without the file's name.
 pub(crate) fn read(path: &Path, options: &Open) -> Result<Source, Error> {
-    if path.is_dir() || sequence::is_pattern(path) {
+    if files::is_dir(path) || sequence::is_pattern(path) {
         return stills::open(path, options);
     }
     let mut input = Input::open(path)?;
@@ -36,7 +37,7 @@ pub(crate) fn read(path: &Path, options: &Open) -> Result<Source, Error> {
 /// # Errors
 /// One sentence, without the file's name, if it is a folder or cannot be read.
 pub(crate) fn kind(path: &Path) -> Result<Kind, Error> {
-    if path.is_dir() {
+    if files::is_dir(path) {
         return Err(Error::new("it is a folder; name two picture files"));
     }
     detect_format::kind(&mut Input::open(path)?)
@@ -44,7 +45,7 @@ pub(crate) fn kind(path: &Path) -> Result<Kind, Error> {
 
 /// Whether `path` is a picture, a folder of pictures or a pattern.
 pub(crate) fn is_still_or_folder(path: &Path) -> bool {
-    path.is_dir() || sequence::is_pattern(path) || matches!(kind(path), Ok(Kind::Still))
+    files::is_dir(path) || sequence::is_pattern(path) || matches!(kind(path), Ok(Kind::Still))
 }
 
 /// Returns what `read` gives; a panic in a decoder is an error.

@@ -5,6 +5,8 @@ use std::path::Path;
 
 use motionscope_core::base::Error;
 
+use crate::files::{self, IN_PAGE};
+
 /// The most characters of such words.
 const MOST: usize = 90;
 
@@ -16,12 +18,15 @@ pub(crate) fn bracketed(words: &str) -> String {
 
 /// Puts the file's name in front of what is wrong with it.
 pub(crate) fn about(path: &Path, error: &Error) -> Error {
-    Error::new(format!("cannot open {}: {error}", Error::short_name(&path.display().to_string())))
+    Error::new(format!("cannot open {}: {error}", Error::short_name(&files::label(path).to_string())))
 }
 
 /// Why a file cannot be read, without its name.
 pub(crate) fn cannot_read(error: &io::Error) -> Error {
     Error::new(match error.kind() {
+        io::ErrorKind::NotFound if IN_PAGE => {
+            "it is not among the files given to this page; drop it here as well".into()
+        }
         io::ErrorKind::NotFound => "there is no such file; check the path".into(),
         io::ErrorKind::PermissionDenied => "you may not read this file; ask its owner".into(),
         io::ErrorKind::InvalidData => "it is not a text file; give another file".into(),

@@ -1,13 +1,13 @@
 //! Which pictures make up a clip.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use motionscope_core::base::Error;
 
 use super::cannot_read;
 use super::names::{Numbered, extension, file_name, natural_order, stem};
+use crate::files;
 
 /// The pictures of a clip, in order.
 #[derive(Debug, Default, PartialEq)]
@@ -29,7 +29,7 @@ impl Sequence {
 
     /// The same as if there were a picture called `added` too, in the same folder.
     fn find_with(path: &Path, added: Option<&str>) -> Result<Self, Error> {
-        if path.is_dir() {
+        if files::is_dir(path) {
             folder(path, added)
         } else if let Some(pattern) = Pattern::parse(path) {
             pattern.sequence(path, added)
@@ -60,13 +60,13 @@ pub(crate) fn is_pattern(path: &Path) -> bool {
 /// Whether a file at `added`, where there is none, would be another frame of the clip that `path` stands for, or make it another
 /// clip altogether.
 pub(crate) fn would_join(path: &Path, added: &Path) -> bool {
-    let folder = if path.is_dir() { path } else { parent(path) };
-    let whole = |folder: &Path| folder.canonicalize().ok();
+    let folder = if files::is_dir(path) { path } else { parent(path) };
+    let whole = |folder: &Path| files::canonicalize(folder).ok();
     let name = file_name(added);
     if kind(&name).is_none() || whole(folder) != whole(parent(added)) {
         return false;
     }
-    let is_of_series = || shape(&name).is_some_and(|of| shape(&file_name(path)) == Some(of)) && !added.exists();
+    let is_of_series = || shape(&name).is_some_and(|of| shape(&file_name(path)) == Some(of)) && !files::exists(added);
     match (Sequence::find(path), Sequence::find_with(path, Some(&name))) {
         (Ok(now), Ok(then)) => now.files != then.files || is_of_series(),
         _ => false,
@@ -91,14 +91,15 @@ struct Picture {
 /// The files in `folder` whose names `fit` and are not hidden, in natural order; as if there were one called `added`.
 fn pictures_in(folder: &Path, added: Option<&str>, fits: impl Fn(&str) -> bool) -> Result<Vec<Picture>, Error> {
     let mut pictures = Vec::new();
-    if let Some(name) = added.filter(|name| !name.starts_with('.') && fits(name) && !folder.join(name).exists()) {
+    if let Some(name) = added.filter(|name| !name.starts_with('.') && fits(name) && !files::exists(&folder.join(name)))
+    {
         pictures.push(Picture { name: name.to_owned(), file: folder.join(name) });
     }
-    for entry in fs::read_dir(folder).map_err(|e| cannot_read(&e))? {
+    for entry in files::read_dir(folder).map_err(|e| cannot_read(&e))? {
         let entry = entry.map_err(|e| cannot_read(&e))?;
-        let name = entry.file_name().to_string_lossy().into_owned();
-        if !name.starts_with('.') && fits(&name) && entry.path().is_file() {
-            pictures.push(Picture { name, file: folder.join(entry.file_name()) });
+        let name = file_name(&entry);
+        if !name.starts_with('.') && fits(&name) && files::is_file(&entry) {
+            pictures.push(Picture { name, file: entry });
         }
     }
     pictures.sort_by(|a, b| natural_order(&a.name, &b.name).then_with(|| a.file.cmp(&b.file)));
@@ -160,6 +161,11 @@ fn series_of(name: &str) -> Option<String> {
 /// Names of ground-truth images in benchmarks that keep them beside the frames.
 const TRUTH: [&str; 6] = ["disp", "flow", "occ", "mask", "depth", "gt"];
 
+/// Whether pictures or a folder of this name hold ground truth in benchmarks.
+pub(crate) fn is_called_truth(name: &str) -> bool {
+    TRUTH.iter().any(|truth| name.to_ascii_lowercase().starts_with(truth))
+}
+
 /// The series with the most pictures, if there are several; of equals one that is not called like truth.
 fn one_of_several(pictures: &[Picture]) -> Option<String> {
     let mut counts = BTreeMap::new();
@@ -167,10 +173,9 @@ fn one_of_several(pictures: &[Picture]) -> Option<String> {
         *counts.entry(series).or_insert(0_usize) += 1;
     }
     counts.retain(|_, count| *count > 1);
-    let is_truth = |series: &str| TRUTH.iter().any(|truth| series.to_ascii_lowercase().starts_with(truth));
     let several = counts.len() > 1;
     // Reversed, because the last of several equals is taken.
-    let best = counts.into_iter().rev().max_by_key(|(series, count)| (*count, !is_truth(series)));
+    let best = counts.into_iter().rev().max_by_key(|(series, count)| (*count, !is_called_truth(series)));
     best.map(|(series, _)| series).filter(|_| several)
 }
 
@@ -214,7 +219,7 @@ impl Pattern {
             _ => digits.strip_prefix('0')?.parse().ok().filter(|digits| *digits < 20)?,
         };
         // A file may really be called so.
-        (!path.exists()).then(|| Self { prefix: prefix.into(), suffix: suffix.into(), digits })
+        (!files::exists(path)).then(|| Self { prefix: prefix.into(), suffix: suffix.into(), digits })
     }
 
     fn fits(&self, name: &str) -> bool {
@@ -261,6 +266,8 @@ pub(crate) fn number(name: &str) -> Option<u64> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn with_files(names: &[&str]) -> tempfile::TempDir {

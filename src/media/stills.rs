@@ -14,13 +14,14 @@ use super::sequence::Sequence;
 use super::stereo::keep_left;
 use super::tiff::Page;
 use super::{Decoder, Open, Source, check_size, picture};
+use crate::files;
 
 /// Opens the folder, pattern or picture at `path`; a numbered picture brings those that come after it.
 ///
 /// # Errors
 /// One sentence, without the file's name.
 pub(crate) fn open(path: &Path, options: &Open) -> Result<Source, Error> {
-    let pages = if path.is_file() { picture::pages(path) } else { Default::default() };
+    let pages = if files::is_file(path) { picture::pages(path) } else { Default::default() };
     if pages.0.len() > 1 {
         return stack(path, &pages, options);
     }

@@ -1,7 +1,7 @@
 //! The pages of a TIFF file (TIFF 6.0, section 2), of which its decoder reads the first.
 
+use crate::files::File;
 use std::collections::HashSet;
-use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 
 /// A page, by its directory.

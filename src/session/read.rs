@@ -12,6 +12,7 @@ use crate::experiment::pixel::Held;
 use crate::experiment::side_by_side::SideBySide;
 use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Position};
+use crate::files::given;
 use crate::media::{self, Given, GivenCalibration, RightView};
 use crate::view::look::{Changes, Look};
 
@@ -42,7 +43,9 @@ pub(super) fn session(text: &str, folder: &Path) -> Result<Session, Error> {
 /// The same as of [`session`].
 pub(super) fn keys(top: &mut Section<'_>, base: Option<Session>, folder: &Path) -> Result<Session, Error> {
     let source = match (top.take("clip"), &base) {
-        (Some(clip), _) => Some(clip.parsed(|clip| Source::parse(clip))?.map_path(|path| folder.join(path))),
+        (Some(clip), _) => {
+            Some(clip.parsed(|clip| Source::parse(clip))?.map_path(|path| given::find(folder.join(path), folder)))
+        }
         (None, Some(_)) => None,
         (None, None) => return Err(top.lacks("clip")),
     };
@@ -57,7 +60,7 @@ pub(super) fn keys(top: &mut Section<'_>, base: Option<Session>, folder: &Path) 
         depth_scale: scale(top, "depth-scale", |scale| media::depth_scale(Some(scale), scale))?,
         contrast: top.take("contrast").map(|entry| entry.parsed(str::parse)).transpose()?,
     };
-    let given = given.map_path(|path| folder.join(path));
+    let given = given.map_path(|path| given::find(folder.join(path), folder));
     let mut leader = match (top.take("estimator"), &base) {
         (Some(id), _) => id.parsed(estimator)?,
         (None, Some(base)) => base.experiment.estimator.boxed_clone(),

@@ -5,14 +5,13 @@
 //! path and its content.
 
 use std::collections::BTreeSet;
-use std::fs::{self, OpenOptions};
-use std::io::Write as _;
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use motionscope_core::base::Error;
 
 use super::{Session, folder_of};
+use crate::files;
 use crate::media::{self, export::hash};
 
 static STATE: Mutex<State> =
@@ -46,8 +45,8 @@ pub fn trust_all() {
 
 /// Trusts the session or lesson in `file`: in this run whatever becomes of it, and in later ones as long as it stays as it is.
 pub fn trust(file: &Path) {
-    let Ok(file) = fs::canonicalize(file) else { return };
-    let text = fs::read(&file).unwrap_or_default();
+    let Ok(file) = files::canonicalize(file) else { return };
+    let text = files::read(&file).unwrap_or_default();
     let mut state = state();
     if let Some(list) = &state.list {
         // Without the list it is asked again the next time.
@@ -58,8 +57,8 @@ pub fn trust(file: &Path) {
 }
 
 fn note(list: &Path, line: &str) -> std::io::Result<()> {
-    list.parent().map_or(Ok(()), fs::create_dir_all)?;
-    OpenOptions::new().append(true).create(true).open(list)?.write_all(format!("{line}\n").as_bytes())
+    list.parent().map_or(Ok(()), files::create_dir_all)?;
+    files::append(list, format!("{line}\n").as_bytes())
 }
 
 fn line(file: &Path, text: &[u8]) -> String {
@@ -68,11 +67,11 @@ fn line(file: &Path, text: &[u8]) -> String {
 }
 
 fn is_trusted(file: &Path, text: &[u8]) -> bool {
-    let Ok(file) = fs::canonicalize(file) else { return false };
+    let Ok(file) = files::canonicalize(file) else { return false };
     let state = state();
     let is_listed = |list: &PathBuf| {
         let wanted = line(&file, text);
-        fs::read_to_string(list).is_ok_and(|list| list.lines().any(|line| line == wanted))
+        files::read_to_string(list).is_ok_and(|list| list.lines().any(|line| line == wanted))
     };
     state.all || state.files.contains(&file) || state.list.as_ref().is_some_and(is_listed)
 }
@@ -80,13 +79,7 @@ fn is_trusted(file: &Path, text: &[u8]) -> bool {
 /// The files outside of the folder of `file` that `session`, which was read from it, names.
 pub fn outside(session: &Session, file: &Path) -> Vec<PathBuf> {
     let folder = folder_of(file);
-    named(session).filter(|path| !is_inside(path, folder)).map(Path::to_path_buf).collect()
-}
-
-/// The files that `session` names.
-fn named(session: &Session) -> impl Iterator<Item = &Path> {
-    let experiment = &session.experiment;
-    experiment.source.paths().into_iter().chain(experiment.given.paths())
+    session.paths().filter(|path| !is_inside(path, folder)).map(Path::to_path_buf).collect()
 }
 
 fn is_inside(path: &Path, folder: &Path) -> bool {
@@ -95,8 +88,8 @@ fn is_inside(path: &Path, folder: &Path) -> bool {
         return false;
     }
     // A pattern of numbered pictures is no file itself, but its folder may be a link.
-    let nearest = path.ancestors().find_map(|part| fs::canonicalize(part).ok());
-    match (nearest, fs::canonicalize(folder)) {
+    let nearest = path.ancestors().find_map(|part| files::canonicalize(part).ok());
+    match (nearest, files::canonicalize(folder)) {
         (Some(nearest), Ok(folder)) => nearest.starts_with(folder),
         // What is not there cannot be opened.
         _ => true,
@@ -105,7 +98,7 @@ fn is_inside(path: &Path, folder: &Path) -> bool {
 
 /// The absolute path without `.` and `..`.
 fn lexical(path: &Path) -> PathBuf {
-    let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let whole = files::absolute(path);
     whole.components().fold(PathBuf::new(), |mut path, part| {
         match part {
             Component::CurDir => {}
@@ -123,8 +116,10 @@ fn lexical(path: &Path) -> PathBuf {
 /// One sentence with the first of these files, or about one from which no clip can be read.
 pub(super) fn check<'a>(file: &Path, text: &str, sessions: impl IntoIterator<Item = &'a Session>) -> Result<(), Error> {
     let sessions: Vec<&Session> = sessions.into_iter().collect();
-    let refused = if is_trusted(file, text.as_bytes()) { None } else { refusal(file, &sessions) };
-    if let Ok(file) = fs::canonicalize(file) {
+    // In a page there are no files but those that were given by hand.
+    let is_trusted = files::is_in_memory(file) || is_trusted(file, text.as_bytes());
+    let refused = if is_trusted { None } else { refusal(file, &sessions) };
+    if let Ok(file) = files::canonicalize(file) {
         let mut state = state();
         _ = if refused.is_some() { state.refused.insert(file) } else { state.refused.remove(&file) };
     }
@@ -132,7 +127,7 @@ pub(super) fn check<'a>(file: &Path, text: &str, sessions: impl IntoIterator<Ite
         let how = "if you trust it, agree to that (on the command line with --trust)";
         return Err(Error::new(format!("it {what}; {how}")));
     }
-    sessions.iter().flat_map(|session| named(session)).try_for_each(media::check_is_file)
+    sessions.iter().flat_map(|session| session.paths()).try_for_each(media::check_is_file)
 }
 
 /// Returns the action of an untrusted session or lesson that needs consent, as a predicate; `None` if there is none.
@@ -148,18 +143,20 @@ fn refusal(file: &Path, sessions: &[&Session]) -> Option<String> {
         return Some(format!("opens {}{others} outside of its own folder", name(first)));
     }
     // A file elsewhere is not touched before that is agreed to.
-    let named: BTreeSet<&Path> = sessions.iter().flat_map(|session| named(session)).collect();
+    let named: BTreeSet<&Path> = sessions.iter().flat_map(|session| session.paths()).collect();
     let video = named.into_iter().find(|path| media::needs_ffmpeg(path))?;
     Some(format!("has {} decoded by the ffmpeg of this computer", name(video)))
 }
 
 /// Whether the session or lesson in `file` was refused since it is not trusted.
 pub fn is_asked(file: &Path) -> bool {
-    fs::canonicalize(file).is_ok_and(|file| state().refused.contains(&file))
+    files::canonicalize(file).is_ok_and(|file| state().refused.contains(&file))
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn session(folder: &Path, keys: &str) -> PathBuf {

@@ -13,6 +13,7 @@ use super::{Session, VERSION, VisiblePart, ink, key};
 use crate::experiment::side_by_side;
 use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Position};
+use crate::files::{self, given};
 use crate::media::{Given, GivenCalibration};
 use crate::view::look::Changes;
 
@@ -125,11 +126,15 @@ pub(super) fn text(session: &Session, folder: &Path) -> Result<String, Error> {
     toml::to_string(&text).map_err(|error| Error::new(format!("the session cannot be written: {error}")))
 }
 
-/// Returns `path` relative to `folder`, with `..` where needed; absolute if they have no common root.
+/// Returns `path` relative to `folder`, with `..` where needed; absolute if they have no common root. A file that was given to a page
+/// keeps its name: the session is given together with it.
 pub(super) fn relative(path: &Path, folder: &Path) -> PathBuf {
+    if let Some(name) = given::name_of(path) {
+        return name;
+    }
     // What exists is looked up, so that links and `..` lead where they lead; the rest is told by its parts.
     let whole = |path: &Path| {
-        let whole = path.canonicalize().or_else(|_| std::path::absolute(path)).unwrap_or_else(|_| path.to_path_buf());
+        let whole = files::canonicalize(path).unwrap_or_else(|_| files::absolute(path));
         whole.components().fold(PathBuf::new(), |mut whole, part| {
             match part {
                 Component::ParentDir => drop(whole.pop()),

@@ -5,7 +5,6 @@
 //! for the first time, packed and within a bound; from then on any picture is a short way off.
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::{BufReader, Chain, Cursor, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
@@ -18,6 +17,7 @@ use motionscope_core::data::Frame;
 use motionscope_core::geometry::Grid;
 
 use super::scan::{Piece, Scan};
+use crate::files::File;
 use crate::media::{Decoder, MAX_AREA_PX, cannot_read, picture, reason};
 
 /// Pictures before the one sought that are kept, so that stepping back is at hand.

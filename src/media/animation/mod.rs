@@ -3,7 +3,6 @@
 mod gif;
 mod scan;
 
-use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -19,6 +18,7 @@ use motionscope_core::data::{ClipInfo, Frame};
 use self::scan::Scan;
 use super::names::file_name;
 use super::{Decoder, Open, Source, cannot_read, catch_panic, check_size, picture, reason, stills};
+use crate::files::File;
 
 /// What can be animated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,12 +1,12 @@
 //! Counts an animation's pictures and reads how long each is shown, without decoding any.
 
-use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
 use motionscope_core::base::Error;
 
 use super::Format;
+use crate::files::File;
 use crate::media::{Open, cannot_read};
 
 /// What the blocks of an animation tell.
@@ -44,7 +44,7 @@ const NEWS: usize = 64;
 /// If it cannot be read, or opening was cancelled.
 pub(super) fn scan(path: &Path, format: Format, options: &Open) -> Result<Scan, Error> {
     let file = File::open(path).map_err(|e| cannot_read(&e))?;
-    let all = file.metadata().map_err(|e| cannot_read(&e))?.len();
+    let all = file.size().map_err(|e| cannot_read(&e))?;
     let mut walk = Walk { reader: BufReader::with_capacity(256 << 10, file), left: all, all, options, cancelled: None };
     let mut scan = Scan::default();
     let end = match format {

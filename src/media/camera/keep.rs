@@ -1,6 +1,6 @@
 //! Frames of a camera as a clip: Y4M video, the samples as they came.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
@@ -9,8 +9,9 @@ use web_time::{Duration, Instant};
 
 use super::reading::{belongs, rate};
 use super::{CameraFeed, Format, Shot};
+use crate::files::{self, temporary};
 use crate::media::names::file_name;
-use crate::media::{Progress, export, temporary};
+use crate::media::{Progress, export};
 
 /// Room for the measured rate in the first line of a file.
 const RATE_ROOM: usize = 24;
@@ -21,7 +22,7 @@ const MEASURED: Duration = Duration::from_millis(100);
 #[derive(Debug)]
 pub struct Kept {
     // Removed when it is dropped.
-    _folder: tempfile::TempDir,
+    _folder: temporary::Folder,
     path: PathBuf,
     frames: usize,
     rate: Option<f64>,
@@ -57,7 +58,7 @@ pub fn keep(format: &Format, shots: &[Shot], name: &str) -> Result<Kept, Error> 
     if shots.len() < 2 {
         return Err(Error::new("the camera sent fewer than two frames, and motion needs two; record again"));
     }
-    let place = std::env::temp_dir();
+    let place = temporary::place();
     let cannot = |error: io::Error| {
         Error::new(format!("the recording cannot be kept in {} ({error}); make room there", place.display()))
     };
@@ -128,9 +129,9 @@ pub fn record(
     let stop = Stop::default();
     let cannot = |error: io::Error| export::cannot_write(out, &error);
     // A link keeps pointing where it points.
-    let target = fs::canonicalize(out).unwrap_or_else(|_| out.to_owned());
+    let target = files::canonicalize(out).unwrap_or_else(|_| out.to_owned());
     // Before the camera is switched on.
-    let draft = export::draft(&target).map_err(cannot)?;
+    let draft = files::draft(&target).map_err(cannot)?;
     let format = feed.begin(&stop)?;
     let (mut file, mut times) = (BufWriter::new(draft), Vec::<Duration>::new());
     let head = format.head(None);
@@ -168,6 +169,8 @@ pub fn record(
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::super::{Camera, Size, TestPicture};
     use super::*;
     use crate::media::{Open, open};

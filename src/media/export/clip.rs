@@ -1,6 +1,5 @@
 //! Export of a clip as numbered images with its ground truth.
 
-use std::fs;
 use std::path::Path;
 
 use motionscope_core::base::Error;
@@ -10,10 +9,10 @@ use motionscope_core::geometry::Grid;
 use super::save::not_made;
 use super::written_files::WrittenFiles;
 use super::{Pixels, fill_folder, flo, make_folder, mot, pfm, png, save};
+use crate::files::{self, temporary};
 use crate::media::Progress;
 use crate::media::names::file_name;
 use crate::media::sequence::{Sequence, number};
-use crate::media::temporary;
 
 /// Writes `clip` into `folder`: `frame_0000.png` …, and what is known about it as `flow/frame_0000.flo` …,
 /// `occ/frame_0000.png` …, `foreground/frame_0000.png` …, `disparity/frame_0000.pfm` … and `gt.txt`, and of a second view
@@ -95,7 +94,7 @@ fn calibration(cameras: &Calibration, (width, height): (usize, usize)) -> String
 
 /// A clip in a folder of its own beside the place where it goes; gone if it does not get there.
 struct UnfinishedClip {
-    folder: tempfile::TempDir,
+    folder: temporary::Folder,
     written: WrittenFiles,
 }
 
@@ -124,10 +123,10 @@ impl UnfinishedClip {
         let old = before.names().filter(|name| !self.written.contains(name) && !before.is_foreign(folder, name));
         for name in old {
             // It may be gone already.
-            _ = fs::remove_file(folder.join(name));
+            _ = files::remove_file(&folder.join(name));
         }
         for (name, path) in places() {
-            fs::rename(self.folder.path().join(name), &path).map_err(|e| {
+            files::rename(&self.folder.path().join(name), &path).map_err(|e| {
                 Error::new(format!("{} cannot be written ({e}); choose an empty folder", path.display()))
             })?;
         }
@@ -210,6 +209,8 @@ fn tracks(truth: &dyn Truth, frames: usize) -> Result<Option<String>, Error> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use std::collections::BTreeMap;
     use std::path::PathBuf;
     use std::sync::atomic::{AtomicUsize, Ordering};

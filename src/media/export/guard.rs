@@ -3,9 +3,9 @@
 //! Files are compared by identity, not by name, so links are recognized. Command line and window check before anything runs.
 
 use std::collections::HashMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::files::{self, Kind};
 use crate::media::names::file_name;
 use crate::media::sequence::{parent, would_join};
 
@@ -76,7 +76,7 @@ impl Inputs {
     pub fn outside(&self, folder: &Path) -> PathBuf {
         let frames = self.first_frame().map(|first| Identity::of(parent(first)));
         let holds_frames = self.pictures.is_some() && frames == Some(Identity::of(folder));
-        let whole = || fs::canonicalize(folder).unwrap_or_else(|_| folder.into());
+        let whole = || files::canonicalize(folder).unwrap_or_else(|_| folder.into());
         match holds_frames.then(whole).as_deref().and_then(Path::parent) {
             Some(around) => around.into(),
             None => folder.into(),
@@ -113,7 +113,9 @@ impl<'a> Target<'a> {
     /// Whether this is a regular file or folder, rather than a pipe or device.
     fn is_kept(self) -> bool {
         match self {
-            Self::File(path) => path != Path::new("-") && fs::metadata(path).map_or(true, |facts| facts.is_file()),
+            Self::File(path) => {
+                path != Path::new("-") && files::facts(path).map_or(true, |facts| facts.kind == Kind::File)
+            }
             Self::Numbered(..) => true,
         }
     }
@@ -137,9 +139,9 @@ impl<'a> Target<'a> {
         match self {
             Self::File(path) => vec![path.into()],
             Self::Numbered(folder, begin) => {
-                let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-                let ours = entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(begin));
-                ours.map(|entry| entry.path()).collect()
+                let entries = files::entries(folder);
+                let ours = entries.filter(|path| file_name(path).starts_with(begin));
+                ours.collect()
             }
         }
     }
@@ -197,7 +199,9 @@ fn refuse(inputs: &Inputs, target: Target<'_>, known: &mut Option<HashMap<Identi
             let joins = inputs.pictures.as_ref().is_some_and(|opened| would_join(opened, path));
             joins.then(|| "would become a frame of the clip".to_owned())
         }
-        Target::Numbered(folder, _) if folder.exists() && !folder.is_dir() => Some("is a file, not a folder".into()),
+        Target::Numbered(folder, _) if files::exists(folder) && !files::is_dir(folder) => {
+            Some("is a file, not a folder".into())
+        }
         Target::Numbered(folder, _) => {
             let frames = inputs.first_frame().map(|first| Identity::of(parent(first)));
             (frames == Some(Identity::of(folder)))
@@ -210,7 +214,6 @@ fn refuse(inputs: &Inputs, target: Target<'_>, known: &mut Option<HashMap<Identi
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 enum Identity {
     /// Device and inode.
-    #[cfg(unix)]
     Node(u64, u64),
     /// Canonical path.
     Place(PathBuf),
@@ -223,24 +226,17 @@ impl Identity {
     }
 
     /// Returns the identity of `path`, if it exists.
-    #[cfg(unix)]
     fn of_file(path: &Path) -> Option<Self> {
-        use std::os::unix::fs::MetadataExt;
-        fs::metadata(path).ok().map(|facts| Self::Node(facts.dev(), facts.ino()))
-    }
-
-    /// Returns the identity of `path`, if it exists.
-    #[cfg(not(unix))]
-    fn of_file(path: &Path) -> Option<Self> {
-        path.exists().then(|| Self::Place(place(path)))
+        let facts = files::facts(path).ok()?;
+        Some(facts.node.map_or_else(|| Self::Place(place(path)), |(device, inode)| Self::Node(device, inode)))
     }
 }
 
 /// Returns the canonical form of `path`.
 fn place(path: &Path) -> PathBuf {
-    let whole = |path: &Path| fs::canonicalize(path).ok();
+    let whole = |path: &Path| files::canonicalize(path).ok();
     let beside = || Some(whole(parent(path))?.join(path.file_name()?));
-    let place = whole(path).or_else(beside).or_else(|| std::path::absolute(path).ok()).unwrap_or_else(|| path.into());
+    let place = whole(path).or_else(beside).unwrap_or_else(|| files::absolute(path));
     // These file systems ignore case.
     if cfg!(any(windows, target_os = "macos")) { place.to_string_lossy().to_lowercase().into() } else { place }
 }

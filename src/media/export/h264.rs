@@ -4,15 +4,16 @@ use std::io::{self, Write as _};
 use std::path::Path;
 use std::process::{ChildStdin, Stdio};
 use std::sync::mpsc::channel;
+use std::thread;
 use std::time::Duration;
-use std::{env, fs, thread};
 
 use motionscope_core::base::Error;
 use motionscope_core::data::{Clip, Frame};
 
 use super::save::save_file;
+use crate::files::{self, temporary};
+use crate::media::Progress;
 use crate::media::helper::{Watched, program, read_messages};
-use crate::media::{Progress, temporary};
 
 /// Frames per second of a clip whose rate is not known.
 const USUAL_HZ: f64 = 25.0;
@@ -65,10 +66,10 @@ impl Video {
         progress: Option<&dyn Progress>,
         pour: impl FnOnce(&mut Pipe<'_>) -> Result<(), Error>,
     ) -> Result<Vec<u8>, Error> {
-        let folder = temporary::folder(&env::temp_dir()).map_err(|error| self.failed(&error))?;
+        let folder = temporary::folder(&temporary::place()).map_err(|error| self.failed(&error))?;
         let file = folder.path().join("video");
         self.write(&file, progress, pour)?;
-        fs::read(&file).map_err(|error| self.failed(&error))
+        files::read(&file).map_err(|error| self.failed(&error))
     }
 
     /// Encodes the pictures that `pour` puts into the pipe as the new file `file`, whatever its extension.
@@ -199,6 +200,7 @@ fn rgb(frame: &Frame) -> Vec<u8> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
     use std::path::PathBuf;
     use std::sync::Mutex;
 

@@ -3,14 +3,14 @@
 //! A PNG says so itself, in a text chunk. A `.flo` and MOTChallenge rows have no room for it (Middlebury's own reader refuses a
 //! byte too many), so where their name is one of truth, a hidden list beside them does.
 
-use std::fs::{self, File, OpenOptions};
-use std::io::{BufReader, Write};
+use std::io::BufReader;
 use std::path::Path;
 
 use motionscope_core::base::Error;
 
 use super::save::{cannot_write, save};
 use super::written_files::hash;
+use crate::files::{self, File};
 use crate::media::catch_panic::catch_panic;
 use crate::media::names::extension;
 use crate::media::sequence::parent;
@@ -27,7 +27,7 @@ const LIST: &str = ".motionscope-results";
 /// # Errors
 /// As [`save`].
 pub fn save_result(path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    let target = fs::canonicalize(path).unwrap_or_else(|_| path.into());
+    let target = files::canonicalize(path).unwrap_or_else(|_| path.into());
     // Before it is there: a list that is ahead of its files does no harm.
     for place in [path, &target] {
         if path != Path::new("-") && is_listed_kind(place) && truth::is_place(place) {
@@ -54,17 +54,16 @@ fn list(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     }
     let name = path.file_name().unwrap_or_default().to_string_lossy().replace(['\n', '\r'], " ");
     let line = format!("{:016x} {name}\n", hash(bytes));
-    let mut list = OpenOptions::new().append(true).create(true).open(parent(path).join(LIST))?;
-    list.write_all(line.as_bytes())
+    files::append(&parent(path).join(LIST), line.as_bytes())
 }
 
 fn is_on_list(path: &Path) -> bool {
-    parent(path).join(LIST).is_file() && fs::read(path).is_ok_and(|bytes| lists(path, &bytes))
+    files::is_file(&parent(path).join(LIST)) && files::read(path).is_ok_and(|bytes| lists(path, &bytes))
 }
 
 /// Whether the list in the folder of `path` contains the hash of `bytes`, under any name.
 fn lists(path: &Path, bytes: &[u8]) -> bool {
-    let Ok(list) = fs::read_to_string(parent(path).join(LIST)) else { return false };
+    let Ok(list) = files::read_to_string(&parent(path).join(LIST)) else { return false };
     let wanted = format!("{:016x} ", hash(bytes));
     list.lines().any(|line| line.starts_with(&wanted))
 }
@@ -82,6 +81,8 @@ fn says_so(path: &Path) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::super::{Pixels, kitti_result, mot, png, png_result};
     use super::*;
 

@@ -26,6 +26,6 @@ pub use mark::save_result;
 pub use mot::{mot, rect as mot_rect};
 pub use npy::{npy, npy_of};
 pub use picture::{Pixels, png, png_result};
-pub(super) use save::{cannot_write, draft};
+pub(super) use save::cannot_write;
 pub use save::{copy, fill_folder, make_folder, save};
 pub use written_files::hash;

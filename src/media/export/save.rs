@@ -4,17 +4,19 @@
 //! with `save_result` and marked (`mark.rs`), and the search for ground truth skips marked files; only ground truth and
 //! sessions are saved with `save`.
 
-use std::env;
-use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use motionscope_core::base::Error;
 
-use crate::media::temporary;
+use crate::files::{self, IN_PAGE, temporary};
 
-/// What is said where a disk has no room.
-const DISK_IS_FULL: &str = "the disk is full; make room or choose another one";
+/// What is said where there is no room.
+const DISK_IS_FULL: &str = if IN_PAGE {
+    "it does not fit into the memory of this page; save less, or use the desktop edition"
+} else {
+    "the disk is full; make room or choose another one"
+};
 
 /// Copies the file `from` to `to` atomically.
 ///
@@ -22,11 +24,8 @@ const DISK_IS_FULL: &str = "the disk is full; make room or choose another one";
 /// If it cannot be read, and as [`save`].
 pub fn copy(from: &Path, to: &Path) -> Result<(), Error> {
     let unread = |error: io::Error| Error::new(format!("{} cannot be read ({error})", from.display()));
-    let mut source = File::open(from).map_err(unread)?;
-    save_file(to, |file| {
-        let copied = File::create(file).and_then(|mut file| io::copy(&mut source, &mut file));
-        copied.map(drop).map_err(|error| cannot_write(to, &error))
-    })
+    let mut source = files::File::open(from).map_err(unread)?;
+    save_file(to, |file| files::write_from(file, &mut source).map_err(|error| cannot_write(to, &error)))
 }
 
 /// Saves the file that `make` writes under the name that it is given, atomically and without a copy of it in memory.
@@ -35,31 +34,9 @@ pub fn copy(from: &Path, to: &Path) -> Result<(), Error> {
 /// As [`save`], and those of `make`.
 pub(super) fn save_file(path: &Path, make: impl FnOnce(&Path) -> Result<(), Error>) -> Result<(), Error> {
     let cannot = |error: io::Error| cannot_write(path, &error);
-    // A link keeps pointing where it points.
-    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    let is_stream = path == Path::new("-") || (target.exists() && !target.is_file());
-    let place = if is_stream { env::temp_dir() } else { folder(&target) };
-    let made = temporary::folder(&place).map_err(cannot)?;
-    let file = made.path().join("unfinished");
-    make(&file)?;
-    if is_stream {
-        return stream(&file, path).map_err(cannot);
-    }
-    let _at_work = temporary::at_work();
-    if let Ok(old) = fs::metadata(&target) {
-        fs::set_permissions(&file, old.permissions()).map_err(cannot)?;
-    }
-    fs::rename(&file, &target).map_err(cannot)
-}
-
-/// Writes the bytes of a file to what no file can take the place of: a device, or standard output.
-fn stream(file: &Path, to: &Path) -> io::Result<()> {
-    let mut file = File::open(file)?;
-    let copied = match to == Path::new("-") {
-        true => io::copy(&mut file, &mut io::stdout().lock()),
-        false => OpenOptions::new().write(true).open(to).and_then(|mut to| io::copy(&mut file, &mut to)),
-    };
-    copied.map(drop)
+    let unfinished = files::Unfinished::new(path).map_err(cannot)?;
+    make(unfinished.path())?;
+    unfinished.settle().map_err(cannot)
 }
 
 /// Saves `bytes` to `path` atomically; `-` is standard output.
@@ -68,23 +45,14 @@ fn stream(file: &Path, to: &Path) -> io::Result<()> {
 /// If the folder does not exist or cannot be written to, the disk is full, or the reader of a pipe is gone. A file
 /// that was there before is then as it was.
 pub fn save(path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    let written = if path == Path::new("-") {
-        pour(&mut io::stdout().lock(), bytes)
-    } else {
-        match fs::canonicalize(path) {
-            // A link keeps pointing where it points, and `/dev/null` stays what it is.
-            Ok(target) if target.is_file() => replace(&target, bytes),
-            Ok(target) => OpenOptions::new().write(true).open(target).and_then(|mut file| pour(&mut file, bytes)),
-            Err(_) => replace(path, bytes),
-        }
-    };
+    let written = if path == Path::new("-") { pour(&mut io::stdout().lock(), bytes) } else { files::save(path, bytes) };
     written.map_err(|e| cannot_write(path, &e))
 }
 
 /// Why nothing can be written to `path`; what lies in a temporary folder is called as it is to be called in the end.
 pub(in crate::media) fn cannot_write(path: &Path, error: &io::Error) -> Error {
     let path = temporary::destination(path);
-    Error::new(format!("{} cannot be written: {}", path.display(), reason(&path, error)))
+    Error::new(format!("{} cannot be written: {}", files::label(&path), reason(&path, error)))
 }
 
 /// Makes a folder, and those that it lies in, if there is none.
@@ -92,7 +60,7 @@ pub(in crate::media) fn cannot_write(path: &Path, error: &io::Error) -> Error {
 /// # Errors
 /// If it cannot be made.
 pub fn make_folder(folder: &Path) -> Result<(), Error> {
-    fs::create_dir_all(folder).map_err(|e| not_made(folder, &e))
+    files::create_dir_all(folder).map_err(|e| not_made(folder, &e))
 }
 
 /// Makes `folder` as [`make_folder`] does and fills it; where that fails, those folders that were made and are empty go again.
@@ -101,11 +69,11 @@ pub fn make_folder(folder: &Path) -> Result<(), Error> {
 /// If it cannot be made, and those of `fill`.
 pub fn fill_folder<T>(folder: &Path, fill: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
     let made: Vec<&Path> =
-        folder.ancestors().take_while(|folder| !folder.as_os_str().is_empty() && !folder.exists()).collect();
+        folder.ancestors().take_while(|folder| !folder.as_os_str().is_empty() && !files::exists(folder)).collect();
     let filled = make_folder(folder).and_then(|()| fill());
     if filled.is_err() {
         // From the innermost outwards, up to the first that has something in it.
-        let _ = made.into_iter().try_for_each(fs::remove_dir);
+        let _ = made.into_iter().try_for_each(files::remove_dir);
     }
     filled
 }
@@ -123,42 +91,6 @@ pub(super) fn not_made(folder: &Path, error: &io::Error) -> Error {
 fn pour(to: &mut impl Write, bytes: &[u8]) -> io::Result<()> {
     to.write_all(bytes)?;
     to.flush()
-}
-
-/// Writes beside `path`, then renames.
-fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let _at_work = temporary::at_work();
-    let mut file = draft(path)?;
-    pour(&mut file, bytes)?;
-    file.persist(path)?;
-    Ok(())
-}
-
-/// A temporary file beside `path` that can take its place.
-pub(in crate::media) fn draft(path: &Path) -> io::Result<tempfile::NamedTempFile> {
-    let prefix = temporary::prefix(&folder(path));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(&prefix);
-    if let Some(permissions) = permissions(path) {
-        builder.permissions(permissions);
-    }
-    builder.tempfile_in(folder(path))
-}
-
-/// The permissions of the file that is replaced; for a new one those that any program would give it.
-fn permissions(path: &Path) -> Option<Permissions> {
-    fs::metadata(path).ok().map(|old| old.permissions()).or_else(default_permissions)
-}
-
-#[cfg(unix)]
-fn default_permissions() -> Option<Permissions> {
-    use std::os::unix::fs::PermissionsExt;
-    Some(Permissions::from_mode(0o666))
-}
-
-#[cfg(not(unix))]
-fn default_permissions() -> Option<Permissions> {
-    None
 }
 
 fn folder(path: &Path) -> PathBuf {
@@ -187,6 +119,8 @@ fn cause(error: &io::Error) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     #[test]
@@ -270,30 +204,5 @@ mod tests {
         assert!(save(&missing, b"x").unwrap_err().to_string().contains("there is no folder"));
         assert!(save(folder.path(), b"x").unwrap_err().to_string().contains("cannot be written"));
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn permissions_and_links_are_kept() {
-        use std::os::unix::fs::PermissionsExt;
-        let folder = tempfile::tempdir().unwrap();
-        let (path, link) = (folder.path().join("a.csv"), folder.path().join("link.csv"));
-        fs::write(&path, b"old").unwrap();
-        let usual = fs::metadata(&path).unwrap().permissions().mode();
-        let fresh = folder.path().join("b.csv");
-        save(&fresh, b"new").unwrap();
-        assert_eq!(fs::metadata(&fresh).unwrap().permissions().mode(), usual);
-
-        fs::set_permissions(&path, Permissions::from_mode(0o600)).unwrap();
-        std::os::unix::fs::symlink(&path, &link).unwrap();
-        save(&link, b"new").unwrap();
-        assert_eq!(fs::read(&path).unwrap(), b"new");
-        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
-        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
-        copy(&fresh, &link).unwrap();
-        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
-        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
-        copy(&path, &folder.path().join("c.csv")).unwrap();
-        assert_eq!(fs::metadata(folder.path().join("c.csv")).unwrap().permissions().mode(), usual, "as a new file");
     }
 }

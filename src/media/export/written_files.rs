@@ -1,12 +1,12 @@
 //! The list of files in a folder that Motionscope wrote and that are unchanged since.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Component, Path};
 
 use motionscope_core::base::Error;
 
 use super::save;
+use crate::files;
 
 /// The file with the list; hidden, so that it is not part of the clip.
 const NAME: &str = ".motionscope-clip";
@@ -18,7 +18,7 @@ pub(super) struct WrittenFiles(BTreeMap<String, u64>);
 impl WrittenFiles {
     /// Reads the list in `folder`; empty if there is none.
     pub(super) fn read(folder: &Path) -> Self {
-        let text = fs::read_to_string(folder.join(NAME)).unwrap_or_default();
+        let text = files::read_to_string(&folder.join(NAME)).unwrap_or_default();
         let entry = |line: &str| {
             let (hash, name) = line.split_once(' ')?;
             // A list from elsewhere must not lead out of the folder.
@@ -50,8 +50,8 @@ impl WrittenFiles {
     /// Whether there is a file called `name` in `folder` that somebody else wrote or changed.
     pub(super) fn is_foreign(&self, folder: &Path, name: &str) -> bool {
         let path = folder.join(name);
-        let is_ours = |wanted: &u64| fs::read(&path).is_ok_and(|bytes| hash(&bytes) == *wanted);
-        fs::symlink_metadata(&path).is_ok() && !self.0.get(name).is_some_and(is_ours)
+        let is_ours = |wanted: &u64| files::read(&path).is_ok_and(|bytes| hash(&bytes) == *wanted);
+        files::is_taken(&path) && !self.0.get(name).is_some_and(is_ours)
     }
 
     /// Whether `name` was written.
@@ -67,6 +67,8 @@ pub fn hash(bytes: &[u8]) -> u64 {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     #[test]

@@ -5,6 +5,7 @@ use std::path::Path;
 use motionscope_core::base::Error;
 use motionscope_core::data::Calibration;
 
+use crate::files;
 use crate::media::input;
 use crate::media::names::file_name;
 use crate::media::sequence::parent;
@@ -23,7 +24,7 @@ pub(super) enum Cameras {
 impl Cameras {
     /// Those that the folder of `frame` is named after: `image_0`, or `image_00/data`.
     pub fn of(frame: &Path) -> Self {
-        let folder = parent(frame).canonicalize().unwrap_or_else(|_| parent(frame).into());
+        let folder = files::canonicalize(parent(frame)).unwrap_or_else(|_| parent(frame).into());
         let folders = folder.ancestors().take(2).map(file_name);
         let number = folders.filter_map(|name| name.strip_prefix("image_")?.parse::<u32>().ok()).next();
         match number {

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::files;
 use crate::media::companion::LeftView;
 use crate::media::names::{extension, file_name, stem};
 use crate::media::sequence::{Sequence, parent};
@@ -33,7 +34,7 @@ pub(crate) fn keep_left(sequence: &mut Sequence, given: &Given) {
     let files = &sequence.files;
     let is_given = |file: &PathBuf| match &given.right {
         Some(RightView::File(right)) => {
-            right.canonicalize().is_ok_and(|right| file.canonicalize().is_ok_and(|f| f == right))
+            files::canonicalize(right).is_ok_and(|right| files::canonicalize(file).is_ok_and(|f| f == right))
         }
         _ => false,
     };
@@ -50,14 +51,14 @@ pub(crate) fn keep_left(sequence: &mut Sequence, given: &Given) {
 fn namesake(left: &Path) -> Option<PathBuf> {
     let (folder, name) = (parent(left), stem(left));
     let of_pair = |[from, to]: &[&str; 2]| (*from == name).then(|| (*to).to_owned());
-    let is_stereo = || OF_STEREO.iter().any(|file| folder.join(file).is_file());
+    let is_stereo = || OF_STEREO.iter().any(|file| files::is_file(&folder.join(file)));
     let known = MIDDLEBURY.iter().find_map(of_pair).filter(|right| right != "im1" || is_stereo());
     let right = known.or_else(|| mirrored(&name))?;
     let right = left.with_file_name(match extension(left).as_str() {
         "" => right,
         _ => format!("{right}.{}", left.extension()?.to_string_lossy()),
     });
-    right.is_file().then_some(right)
+    files::is_file(&right).then_some(right)
 }
 
 /// A name with `left` in it, with `right` in its place.
@@ -69,7 +70,7 @@ fn mirrored(name: &str) -> Option<String> {
 
 /// The folders that may hold the right view of pictures in `folder`.
 fn folders(folder: &Path) -> Vec<PathBuf> {
-    let whole = folder.canonicalize().unwrap_or_else(|_| folder.into());
+    let whole = files::canonicalize(folder).unwrap_or_else(|_| folder.into());
     // KITTI's raw recordings have image_02/data.
     let inner = whole.file_name().filter(|name| *name == "data").map(PathBuf::from);
     let named = if inner.is_some() { whole.parent().unwrap_or(&whole).to_path_buf() } else { whole.clone() };
@@ -87,7 +88,7 @@ pub(super) fn right(left: &LeftView<'_>) -> Right {
         return Right::default();
     }
     let Some(first) = left.files.first() else {
-        let video = if path.is_file() { namesake(path) } else { None };
+        let video = if files::is_file(path) { namesake(path) } else { None };
         return Right { files: video.into_iter().collect(), incomplete: None };
     };
     let beside: Option<Vec<_>> = left.files.iter().map(|file| namesake(file)).collect();
@@ -96,9 +97,9 @@ pub(super) fn right(left: &LeftView<'_>) -> Right {
     }
     for folder in folders(parent(first)) {
         let files: Vec<_> = left.files.iter().map(|file| folder.join(file_name(file))).collect();
-        match files.iter().find(|file| !file.is_file()) {
+        match files.iter().find(|file| !files::is_file(file)) {
             None => return Right { files, incomplete: None },
-            Some(missing) if files.iter().any(|file| file.is_file()) => {
+            Some(missing) if files.iter().any(|file| files::is_file(file)) => {
                 let why = format!("{} is missing in {}", file_name(missing), file_name(&folder));
                 return Right { files: Vec::new(), incomplete: Some(why) };
             }
@@ -111,14 +112,14 @@ pub(super) fn right(left: &LeftView<'_>) -> Right {
 /// The calibration beside the clip: of its own, or that of its first picture in KITTI's folders.
 pub(crate) fn calibration_beside(left: &LeftView<'_>) -> Option<PathBuf> {
     let first = left.files.first().map(PathBuf::as_path).or(Some(left.path).filter(|path| *path != Path::new("-")))?;
-    let whole = parent(first).canonicalize().ok()?;
+    let whole = files::canonicalize(parent(first)).ok()?;
     let name = stem(first);
     // 000003_10 is picture 10 of clip 000003.
     let clip = name.split_once('_').map_or(name.as_str(), |(clip, _)| clip);
     let near = whole.ancestors().take(3);
     let of_picture =
         near.clone().flat_map(|folder| CALIBRATIONS.map(|name| folder.join(name).join(format!("{clip}.txt"))));
-    near.take(2).map(|folder| folder.join(CALIBRATION)).chain(of_picture).find(|file| file.is_file())
+    near.take(2).map(|folder| folder.join(CALIBRATION)).chain(of_picture).find(|file| files::is_file(file))
 }
 
 #[cfg(test)]

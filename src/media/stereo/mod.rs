@@ -21,6 +21,7 @@ use super::names::file_name;
 use super::reader::{self, guarded, is_still_or_folder};
 use super::sequence::{Sequence, parent};
 use super::{Given, GivenCalibration, Open, RightView, Source, about, cache, stills, truth};
+use crate::files;
 
 use calibration::Cameras;
 pub(crate) use find::keep_left;
@@ -98,7 +99,7 @@ fn pictures(path: &Path, left: &LeftView<'_>) -> Option<Vec<PathBuf>> {
         return None;
     }
     let namesakes: Vec<_> = left.files.iter().map(|file| path.join(file_name(file))).collect();
-    if path.is_dir() && namesakes.iter().all(|file| file.is_file()) {
+    if files::is_dir(path) && namesakes.iter().all(|file| files::is_file(file)) {
         return Some(namesakes);
     }
     let mut files = Sequence::find(path).ok()?.files;

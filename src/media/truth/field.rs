@@ -1,6 +1,5 @@
 //! One value per pixel: Middlebury and KITTI flow, occlusion masks, foreground.
 
-use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek};
 use std::path::Path;
 
@@ -11,6 +10,7 @@ use motionscope_core::products::model::{Matrix3, mapped, oriented};
 use png::{BitDepth, ColorType, Transformations};
 
 use super::file_error;
+use crate::files::File;
 use crate::media::cannot_read;
 use crate::media::names::{extension, stem};
 use crate::media::numbers::single;

@@ -1,7 +1,6 @@
 //! The search for ground truth: beside the clip, or at a given path.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -9,6 +8,7 @@ use motionscope_core::base::Error;
 use motionscope_core::data::{Clip, Truth};
 
 use super::{Files, Objects, Subject, field, file_error, mot, region};
+use crate::files;
 use crate::media::companion::{Companion, LeftView, warned};
 use crate::media::export::{InputKind, is_result};
 use crate::media::input::Node;
@@ -222,7 +222,7 @@ impl TruthFiles {
     /// Finds the files at the given `path`.
     fn given(path: &Path, subject: &Subject) -> Self {
         let mut search = Search { subject, results: Vec::new() };
-        if path.is_dir() {
+        if files::is_dir(path) {
             let mut flows = search.flows(path);
             let (occlusions, objects) = (search.occlusions(path), search.tracks(path));
             let mut disparities = search.disparities(path);
@@ -314,7 +314,7 @@ const FRAMES_OF_REGIONS: [&str; 2] = ["color", "img"];
 
 /// Whether truth of some clip may be looked for at `path`, going by its name and its folders.
 pub(crate) fn is_place(path: &Path) -> bool {
-    let folder = fs::canonicalize(parent(path)).unwrap_or_else(|_| parent(path).into());
+    let folder = files::canonicalize(parent(path)).unwrap_or_else(|_| parent(path).into());
     let mut above = folder.ancestors().map(|folder| file_name(folder).to_lowercase());
     let [folder, beyond] = [above.next(), above.next()].map(Option::unwrap_or_default);
     let is_table = |name: &&str| file_name(path).eq_ignore_ascii_case(name);
@@ -359,7 +359,7 @@ impl Search<'_> {
 
     /// The files that `fit` in the first of `places` that has any for the clip.
     fn places(&mut self, places: &Places, folder: &Path, fits: fn(&Path) -> bool) -> BTreeMap<usize, PathBuf> {
-        let whole = fs::canonicalize(folder).unwrap_or_else(|_| folder.into());
+        let whole = files::canonicalize(folder).unwrap_or_else(|_| folder.into());
         let inside = places.inside.iter().map(|name| folder.join(name));
         let beside = places.beside.iter().filter_map(|name| Some(whole.parent()?.join(name)));
         let across = places.across.iter();
@@ -419,7 +419,7 @@ impl Search<'_> {
         let above = folder.parent().filter(|_| FRAMES_OF_REGIONS.iter().any(|name| folder.ends_with(name)));
         let folders = [Some(folder), above].into_iter().flatten();
         let regions = folders.flat_map(|folder| REGIONS.map(|name| folder.join(name)));
-        self.known(files.chain(regions).filter(|file| file.is_file())).into_iter().next()
+        self.known(files.chain(regions).filter(|file| files::is_file(file))).into_iter().next()
     }
 }
 
@@ -437,14 +437,16 @@ fn is_disparity(file: &Path) -> bool {
 
 /// The files in `folder` that `fit`, in natural order; none if it cannot be read.
 fn list(folder: &Path, fits: impl Fn(&Path) -> bool) -> Vec<PathBuf> {
-    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    let mut files: Vec<_> = entries.map(|entry| entry.path()).filter(|path| fits(path) && path.is_file()).collect();
+    let entries = files::entries(folder);
+    let mut files: Vec<_> = entries.filter(|path| fits(path) && files::is_file(path)).collect();
     files.sort_by(|a, b| natural_order(&file_name(a), &file_name(b)));
     files
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use motionscope_core::data::{Clip, Disparity, Flow, ObjectBox};
     use motionscope_core::geometry::Grid;
 

@@ -17,6 +17,7 @@ use motionscope_core::geometry::Grid;
 
 use super::names::file_name;
 use super::sequence::parent;
+use crate::files;
 
 pub(super) use field::depth;
 pub(crate) use find::{GroundTruth, is_place};
@@ -160,7 +161,7 @@ impl Truth for Files {
 pub(super) fn name_from(folder: &Path, file: &Path) -> String {
     /// Truth and right views lie two folders up at most.
     const UP: usize = 3;
-    let whole = |folder: &Path| folder.canonicalize().unwrap_or_else(|_| folder.into());
+    let whole = |folder: &Path| files::canonicalize(folder).unwrap_or_else(|_| folder.into());
     let (from, to) = (whole(folder), whole(parent(file)).join(file_name(file)));
     let near = from.ancestors().take(UP).find_map(|above| to.strip_prefix(above).ok());
     near.map_or_else(|| file_name(file), |near| near.display().to_string())

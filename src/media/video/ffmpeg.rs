@@ -16,6 +16,7 @@ use serde::Deserialize;
 use web_time::{Duration, Instant};
 
 use super::FfmpegReason;
+use crate::files::{self, IN_PAGE};
 use crate::media::helper::{self, Failure, Limits, Running, program};
 use crate::media::names::file_name;
 use crate::media::{Decoder, Open, Source, check_size};
@@ -47,10 +48,10 @@ const STREAMS: [&str; 4] = ["mpegts", "mpeg", "mpegvideo", "h264"];
 /// One sentence, without the file's name, with `why` in it.
 pub(super) fn open(path: &Path, options: &Open, why: &FfmpegReason) -> Result<Source, Error> {
     // A pipe has been read to its end already.
-    if path == Path::new("-") || !path.is_file() {
+    if path == Path::new("-") || !files::is_file(path) {
         return Err(Error::new(format!("{}; save what the pipe holds to a file and open that", why.error)));
     }
-    if !options.ffmpeg {
+    if !options.ffmpeg || files::is_in_memory(path) {
         return Err(Failed::Absent.explained(why));
     }
     let probe = Probe::run(path, options, why)?;
@@ -254,6 +255,9 @@ impl Failed {
         Error::new(match self {
             // Where it says what to do, another program would not do better.
             Failed::Absent if *is_known && error.to_string().contains("; ") => return error.clone(),
+            Failed::Absent if IN_PAGE => {
+                format!("{error}; convert the clip to MP4 with H.264, or open it in the desktop edition")
+            }
             Failed::Absent => format!(
                 "{error}; if you install ffmpeg (ffmpeg.org), it is used by itself, or convert the clip to MP4 with H.264"
             ),

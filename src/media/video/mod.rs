@@ -27,12 +27,16 @@ use motionscope_core::data::ClipInfo;
 use super::catch_panic::catch_panic;
 use super::input::Input;
 use super::{Open, Source, reason};
+use crate::files::IN_PAGE;
 use coded::{Codec, Coded, Track};
 use h264::H264;
 use mjpeg::Mjpeg;
 pub(crate) use mjpeg::is_stream;
 use raw::Raw;
 use vp9::Vp9;
+
+/// The reason why a codec without a decoder is not shown.
+const NOT_DECODED: &str = if IN_PAGE { "which this page does not decode" } else { "which needs ffmpeg" };
 
 /// What holds the pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,7 +96,7 @@ fn decode(input: Input, mut track: Track) -> Result<Source, Error> {
             track.codec = raw.name().into();
             Box::new(raw)
         }
-        other => return Err(Error::new(format!("its video is coded as {other}, which needs ffmpeg"))),
+        other => return Err(Error::new(format!("its video is coded as {other}, {NOT_DECODED}"))),
     };
     let mut info = ClipInfo {
         name: input.name().to_owned(),

@@ -38,6 +38,7 @@ use motionscope_core::run::Cursor;
 
 use super::{Session, folder_of, trust};
 use crate::experiment::{Experiment, Position};
+use crate::files;
 use crate::media;
 use crate::paint::Freehand;
 use crate::paint::charts::prose::Prose;
@@ -109,10 +110,10 @@ impl Lesson {
     /// # Errors
     /// One sentence that names the file and the reason.
     pub fn load(path: &Path) -> Result<Self, Error> {
-        let name = Error::short_name(&path.display().to_string());
+        let name = Error::short_name(&files::label(path).to_string());
         let about = |error: Error| Error::new(format!("cannot open the lesson {name}: {error}"));
         let slug = path.file_stem().unwrap_or_default().to_string_lossy();
-        if path.metadata().is_ok_and(|data| data.len() > MOST_BYTES) {
+        if files::facts(path).is_ok_and(|facts| facts.size > MOST_BYTES) {
             return Err(about(Error::new(format!("it has more than {} kB", MOST_BYTES / 1000))));
         }
         let read = |text: String| {

@@ -10,6 +10,7 @@ use super::camera::Saving;
 use super::dialogs::Overlay;
 use crate::experiment::Position;
 use crate::experiment::source::Source;
+use crate::files::{self, download};
 use crate::media::camera::is_unsaved;
 use crate::media::export;
 use crate::session::{Session, VisiblePart};
@@ -86,8 +87,7 @@ impl App {
             }
             _ => None,
         };
-        let folder =
-            self.exports.folder.clone().or(beside).unwrap_or_else(|| std::env::current_dir().unwrap_or_default());
+        let folder = self.exports.folder.clone().or(beside).unwrap_or_else(files::current_dir);
         // Results among the frames would become frames, or could not be told from them.
         let folder = shown.subject.inputs.outside(&folder);
         let seen = save::Seen { look: self.settings.look, angles: self.panes.states.angles(&shown.step) };
@@ -143,7 +143,7 @@ impl App {
                 Box::new(move |order, _| {
                     Box::pin(async move {
                         export::save_result(&order.path, scores.as_bytes())?;
-                        Ok(format!("Saved {}.", order.path.display()))
+                        Ok(format!("Saved {}.", files::label(&order.path)))
                     })
                 })
             }
@@ -156,8 +156,11 @@ impl App {
         };
         self.exports.writing = Some(Writing::new(folder, changed, async move |progress| {
             let _kept = kept;
-            writer::refuse_losses(&order, &inputs)?;
-            work(&order, progress).await
+            let saved = match writer::refuse_losses(&order, &inputs) {
+                Ok(()) => work(&order, progress).await,
+                Err(error) => Err(error),
+            };
+            download::hand_over(&order.path, saved)
         }));
     }
 
@@ -166,7 +169,7 @@ impl App {
         let chosen = stage.chosen().filter(|_| stage.zoom != Zoom::Fit);
         let part = |lens: Lens| VisiblePart { center: lens.center.into(), zoom: lens.scale, size: Some(lens.extent()) };
         let sight = chosen.map(part);
-        let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.into());
+        let whole = |path: &Path| files::absolute(path);
         let mut experiment = shown.subject.experiment.clone();
         experiment.source = experiment.source.map_path(whole);
         experiment.given = experiment.given.map_path(whole);
@@ -177,7 +180,7 @@ impl App {
 }
 
 fn save_session(session: &Session, path: &Path) -> Result<String, Error> {
-    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let path = files::absolute(path);
     session.save(&path)?;
-    Ok(format!("Saved {}.", path.display()))
+    Ok(format!("Saved {}.", files::label(&path)))
 }

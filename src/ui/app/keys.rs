@@ -1,14 +1,11 @@
 //! The keyboard, the clipboard and dropped files: what they ask for.
 
 use std::collections::BTreeSet;
-use std::ffi::OsString;
-use std::path::PathBuf;
 
 use eframe::egui::{self, Event, FocusDirection, Id, Key, Modifiers, Popup};
 
-use crate::experiment::source::Source;
-use crate::media::{self, names};
-use crate::session::Session;
+use super::given;
+use crate::files::IN_PAGE;
 use crate::ui::commands::{Action, Actions, Command, Situation};
 use crate::ui::dialogs::typed;
 
@@ -224,7 +221,7 @@ pub fn take(ctx: &egui::Context, overlaid: bool, now: &Situation, actions: &mut 
         return;
     }
     let dropped = ctx.input(|i| i.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect::<Vec<_>>());
-    if let Some(name) = dropped_clip(dropped) {
+    if let Some(name) = given::clip_of(dropped) {
         actions.ask(Action::Open(name));
     }
     if overlaid || ctx.text_edit_focused() {
@@ -288,7 +285,7 @@ pub fn take(ctx: &egui::Context, overlaid: bool, now: &Situation, actions: &mut 
                 false
             }
             Event::Paste(text) => {
-                if let Some(path) = typed::parse(text) {
+                if let Some(path) = typed::parse(text).filter(|path| !IN_PAGE || typed::leads_somewhere(path)) {
                     actions.ask(Action::Open(path));
                 }
                 false
@@ -318,33 +315,9 @@ fn chart_of(key: Key, modifiers: Modifiers, now: &Situation) -> Option<usize> {
     DIGITS.iter().position(|digit| *digit == key).filter(|_| is_meant)
 }
 
-/// The clip that dropped `files` are: two pictures in the order of their names, or else the first file.
-fn dropped_clip(mut files: Vec<PathBuf>) -> Option<OsString> {
-    let is_picture = |path: &PathBuf| path.is_file() && !Session::is_named(path) && !media::is_truth(path);
-    if files.len() == 2 && files.iter().all(is_picture) {
-        files.sort_by(|a, b| names::natural_order(&a.to_string_lossy(), &b.to_string_lossy()));
-        if let Ok(pair) = Source::pair(files[0].as_os_str(), files[1].as_os_str()) {
-            return Some(pair);
-        }
-    }
-    files.into_iter().next().map(Into::into)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn two_dropped_pictures_are_a_clip() {
-        let folder = tempfile::tempdir().unwrap();
-        let [a, b, session] = ["f2.png", "f10.png", "one.motionscope"].map(|name| folder.path().join(name));
-        [&a, &b, &session].into_iter().for_each(|file| std::fs::write(file, "").unwrap());
-        let pair = Source::pair(a.as_os_str(), b.as_os_str()).unwrap();
-        assert_eq!(dropped_clip(vec![b.clone(), a.clone()]), Some(pair));
-        assert_eq!(dropped_clip(vec![session.clone(), a]), Some(session.into()));
-        assert_eq!(dropped_clip(vec![b.clone()]), Some(b.into()));
-        assert_eq!(dropped_clip(vec![]), None);
-    }
 
     /// Whatever is the case, one press undoes the first of it in this order, and nothing else.
     #[test]

@@ -10,6 +10,7 @@ mod exports;
 mod find;
 mod focus;
 mod frame;
+mod given;
 mod keys;
 mod lessons;
 mod lockstep;
@@ -131,6 +132,7 @@ impl App {
         self.receive_run();
         self.receive_written();
         self.browsed();
+        self.receive_given();
     }
 
     /// What is open and how it is set.

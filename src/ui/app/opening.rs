@@ -14,7 +14,9 @@ use web_time::Instant;
 
 use super::App;
 use super::dialogs::Overlay;
+use super::given::Incomplete;
 use crate::experiment::source::Source;
+use crate::files;
 use crate::media::camera::is_unsaved;
 use crate::media::{Given, Open};
 use crate::session::lesson::Address;
@@ -36,6 +38,10 @@ pub(super) struct Opening {
     pub asked: Option<OsString>,
     /// A path that the system's dialog will deliver.
     pub browsing: Option<(Browse, Receiver<Option<PathBuf>>)>,
+    /// What the browser's dialog was opened for last.
+    pub chooser: Option<Browse>,
+    /// A session that waits for files.
+    pub incomplete: Option<Incomplete>,
 }
 
 impl Opening {
@@ -204,13 +210,14 @@ impl App {
         if let Some(what) = is_of_clip.filter(|_| session.is_none()) {
             let name = path.file_name().unwrap_or(path.as_os_str()).display();
             self.toasts.tell(format!("{name} gives the {what} of the open clip."));
-        } else if path.exists() && !is_right && !is_unsaved(path) {
+        } else if files::exists(path) && !is_right && !is_unsaved(path) {
             self.settings.remember(path);
         }
         let is_another =
             self.run.document.source().is_some_and(|open| *open != source) && !self.is_saved_recording(path);
         let left = self.run.document.open(clip, source, given);
         self.run.document.read_from(inputs);
+        self.keep_needed();
         self.begin(left.filter(|_| session.is_none()));
         if is_another {
             self.settings.look.view = Some(self.run.own_view());
@@ -235,12 +242,13 @@ impl App {
     }
 
     fn not_opened(&mut self, path: &Path, error: Error) {
-        if !path.exists() {
+        if !files::exists(path) {
             self.settings.forget(path);
         }
         if self.ask_for_trust(path, path.as_os_str(), &error) {
             return;
         }
+        self.wait_for_files(path);
         match &mut self.dialogs.overlay {
             // Where it was asked for, it can be asked for again.
             Overlay::Open(state) if state.is_opening() => state.refuse(&error),
@@ -280,8 +288,12 @@ impl App {
         self.ctx.send_viewport_cmd(ViewportCommand::Title(title(&self.run.document)));
     }
 
-    /// Opens the system's file dialog on another thread.
+    /// Opens the file dialog of the browser, or that of the system on another thread.
     pub(super) fn browse(&mut self, wanted: Browse) {
+        if files::IN_PAGE {
+            self.opening.chooser = Some(wanted);
+            return files::ask(matches!(wanted, Browse::Folder | Browse::RightFolder));
+        }
         let (sender, receiver) = channel();
         let ctx = self.ctx.clone();
         let ask = move || {

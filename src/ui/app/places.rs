@@ -5,6 +5,7 @@ use std::path::Path;
 use motionscope_core::run::Cursor;
 
 use super::App;
+use crate::files;
 use crate::ui::model::settings::LeftAt;
 use crate::ui::model::snapshot::Place;
 
@@ -17,10 +18,11 @@ impl App {
         let experiment = &shown.subject.experiment;
         // A stage has its own place, and several have one that none of them has; what is not saved is not found again.
         let has_place = self.run.document.parents().len() == 0 && experiment.side_by_side.is_empty();
-        if !has_place || self.is_unsaved() {
+        let is_given = experiment.source.paths().into_iter().any(files::is_in_memory);
+        if !has_place || is_given || self.is_unsaved() {
             return;
         }
-        let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.into());
+        let whole = |path: &Path| files::absolute(path);
         let (source, run) = (experiment.source.clone().map_path(whole), LeftAt::run_of(&*experiment.estimator));
         self.settings.leave(LeftAt {
             clip: source.to_string(),
@@ -42,7 +44,7 @@ impl App {
 
     /// Where the clip was left that is open now.
     fn left_at(&self) -> Option<&LeftAt> {
-        let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.into());
+        let whole = |path: &Path| files::absolute(path);
         let clip = self.run.document.source()?.clone().map_path(whole).to_string();
         self.settings.left_at(&clip)
     }

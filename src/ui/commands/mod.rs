@@ -23,6 +23,8 @@ pub use order::{CLIP_FRAME, ClipFormat, Order, OutputKind};
 pub use situation::Situation;
 pub use table::Command;
 
+use crate::files::IN_PAGE;
+
 /// How a command is shown, called and found, and when it can be executed.
 #[derive(Clone, Copy)]
 pub struct Entry {
@@ -113,9 +115,14 @@ impl Command {
         [self.entry().keys, others].concat()
     }
 
+    /// Whether this edition has it: a page has no camera of ffmpeg's, and no paths.
+    pub fn is_offered(self) -> bool {
+        !(IN_PAGE && matches!(self, Command::Camera | Command::PastePath))
+    }
+
     /// Whether it is shown beside the others: out of the outermost granularity is the end of the run, which is there already.
     pub fn is_listed(self, granularities: &Granularities) -> bool {
-        !(matches!(self, Command::Out | Command::OutBack) && granularities.group() == 0)
+        self.is_offered() && !(matches!(self, Command::Out | Command::OutBack) && granularities.group() == 0)
     }
 
     /// What is said when it is called by its key and is not enabled, where nothing on the screen says why.
@@ -129,7 +136,7 @@ impl Command {
             Command::Layer(layer) => now.available.why_never(layer).is_none(),
             _ => true,
         };
-        is_there && (self.entry().enabled)(now)
+        is_there && self.is_offered() && (self.entry().enabled)(now)
     }
 
     /// Whether what it toggles or sets is so already; `None` if it does neither.

@@ -5,6 +5,7 @@ use lucide_icons::Icon;
 use motionscope_core::run::Direction;
 
 use super::{Entry, Menu, Situation, Submenu};
+use crate::files::IN_PAGE;
 use crate::paint::{ColorMap, FlowLayer, FocusMode, Theme, View};
 
 const fn key(key: Key) -> KeyboardShortcut {
@@ -26,6 +27,13 @@ const fn ctrl_shift(key: Key) -> KeyboardShortcut {
 const fn alt(key: Key) -> KeyboardShortcut {
     KeyboardShortcut::new(Modifiers::ALT, key)
 }
+
+/// The tip of the command that opens files.
+const OPEN: &str = if IN_PAGE {
+    "Open a video, an image sequence, a folder or a session. Nothing leaves this computer."
+} else {
+    "Open a video, an image sequence, a folder or a session; a path can be typed as well."
+};
 
 const FILE: Entry = Entry::of(Menu::File);
 const EDIT: Entry = Entry::of(Menu::Edit);
@@ -129,7 +137,7 @@ macro_rules! commands {
 commands! {
     Open: Entry {
         icon: Icon::FolderOpen, text: "Open…", keys: &[ctrl(Key::O)],
-        tip: "Open a video, an image sequence, a folder or a session; a path can be typed as well.",
+        tip: OPEN,
         tags: "load file video clip movie image folder import detections truth ground", ..FILE
     },
     PastePath: Entry {

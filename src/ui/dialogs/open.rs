@@ -10,6 +10,7 @@ use motionscope_core::base::words::capital;
 
 use super::path::PathField;
 use super::typed::parse;
+use crate::files::IN_PAGE;
 use crate::ui::commands::{Action, Actions, Browse, Command};
 use crate::ui::parts::{recent, widgets};
 
@@ -85,7 +86,11 @@ pub fn show(ctx: &egui::Context, state: &mut State, recent: &[PathBuf], actions:
         };
         ui.label(RichText::new(text).weak());
         ui.add_space(8.0);
-        path_row(ui, state, actions);
+        if IN_PAGE {
+            ui.label("Drop files or a folder on the page, or choose them here. They stay on this computer.");
+        } else {
+            path_row(ui, state, actions);
+        }
         outcome(ui, state, actions);
         ui.add_space(4.0);
         ui.horizontal(|ui| {

@@ -6,6 +6,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use eframe::egui::text::{CCursor, CCursorRange};
 use eframe::egui::{self, FocusDirection, Id, Key, Modifiers, RichText, TextEdit, Ui};
 
+use crate::files;
 use crate::ui::parts::widgets;
 use crate::work;
 
@@ -65,7 +66,7 @@ impl Typed {
 
 /// `text` with a leading `~` as the home folder.
 fn expanded(text: &str) -> String {
-    let home = || super::typed::home().and_then(|home| home.into_os_string().into_string().ok());
+    let home = || files::home().and_then(|home| home.into_os_string().into_string().ok());
     match text.strip_prefix('~') {
         Some(rest) if rest.is_empty() || rest.starts_with(std::path::is_separator) => match home() {
             Some(home) => {
@@ -81,11 +82,11 @@ fn expanded(text: &str) -> String {
 /// The names in a folder that begin with what was typed, folders with a separator behind them. Names that are no Unicode cannot
 /// stand in a field and are left out, and so are hidden ones unless a point was typed.
 fn names(typed: &Typed) -> Vec<String> {
-    let entries = std::fs::read_dir(typed.folder()).into_iter().flatten().flatten().take(MOST_ENTRIES);
+    let entries = files::entries(&typed.folder()).take(MOST_ENTRIES);
     let named = entries.filter_map(|entry| {
-        let name = entry.file_name().into_string().ok()?;
+        let name = entry.file_name()?.to_str()?.to_owned();
         let is_shown = name.starts_with(&typed.start) && (typed.start.starts_with('.') || !name.starts_with('.'));
-        is_shown.then(|| if entry.path().is_dir() { format!("{name}{MAIN_SEPARATOR}") } else { name })
+        is_shown.then(|| if files::is_dir(&entry) { format!("{name}{MAIN_SEPARATOR}") } else { name })
     });
     let mut names: Vec<String> = named.collect();
     names.sort_unstable();
@@ -123,14 +124,18 @@ impl PathField {
         if !self.is_focused {
             widgets::catch_text(ui.ctx(), id, &mut self.text);
         }
-        let completes = ui.memory(|memory| memory.has_focus(id)) && !self.text.is_empty();
+        // A page has no folders in which paths could be looked up.
+        let completes = !files::IN_PAGE && ui.memory(|memory| memory.has_focus(id)) && !self.text.is_empty();
         if completes {
             self.take_tab(ui, id);
         }
         if self.receive(ui.ctx()) {
             to_end(ui.ctx(), id, &self.text);
         }
-        let field = TextEdit::singleline(&mut self.text).id(id).hint_text("Type or paste a path").desired_width(width);
+        let field = TextEdit::singleline(&mut self.text)
+            .id(id)
+            .hint_text(if files::IN_PAGE { "Type a name" } else { "Type or paste a path" })
+            .desired_width(width);
         // Tab is the field's own while there is something to complete.
         let response = ui.add(field.lock_focus(completes)).accessible_name(name);
         if !self.is_focused {
@@ -230,7 +235,7 @@ impl PathField {
             (chosen, text) = (Some(0), format!("{}{}", typed.base, names[0]));
         }
         let listed = match names.as_slice() {
-            [] if !typed.folder().is_dir() => format!("There is no folder {}.", widgets::elide(&typed.base, 60)),
+            [] if !files::is_dir(&typed.folder()) => format!("There is no folder {}.", widgets::elide(&typed.base, 60)),
             [] => format!("Nothing in this folder begins with {}.", widgets::elide(&typed.start, 40)),
             [_] => String::new(),
             all => {
@@ -287,7 +292,7 @@ mod tests {
 
     #[test]
     fn a_tilde_is_the_home_folder() {
-        let Some(home) = super::super::typed::home() else { return };
+        let Some(home) = files::home() else { return };
         let home = home.display().to_string();
         assert_eq!(Typed::of("~/cl").text(), format!("{}{MAIN_SEPARATOR}cl", home.trim_end_matches('/')));
         assert_eq!(Typed::of("a/~b").text(), "a/~b");

@@ -11,7 +11,9 @@ use motionscope_core::run::Cursor;
 use super::path::PathField;
 use crate::experiment::Prepared;
 use crate::experiment::source::Source;
+use crate::files::{self, IN_PAGE, download};
 use crate::media::export::{AnimationFormat, Inputs, Timing};
+use crate::media::names;
 use crate::paint::{Freehand, Theme, grouped};
 use crate::results::{self, Export};
 use crate::ui::commands::{Action, Actions, Browse, CLIP_FRAME, ClipFormat, Granularities, Order, OutputKind};
@@ -74,6 +76,11 @@ impl Kind {
 
     /// What can be chosen, of a run on `subject`; at least one.
     fn choices(self, subject: &Prepared) -> Vec<Choice> {
+        // A page has no ffmpeg to encode video with.
+        self.all_choices(subject).into_iter().filter(|choice| !IN_PAGE || choice.ending != MP4).collect()
+    }
+
+    fn all_choices(self, subject: &Prepared) -> Vec<Choice> {
         let kinds: &[&ProductKind] = subject.experiment.estimator.produces();
         let choice = |ending, doc| Choice { label: label(ending), ending, doc, export: None, animation: None };
         let pictures = [
@@ -229,7 +236,7 @@ impl State {
             Kind::Handout => format!("{stem}_handout.{ending}"),
             Kind::Worksheet => format!("{stem}_{}_worksheet.{ending}", shown.cursor),
         };
-        state.path = PathField::new(folder.join(name).display().to_string());
+        state.path = PathField::new(if IN_PAGE { name } else { folder.join(name).display().to_string() });
         state
     }
 
@@ -237,8 +244,12 @@ impl State {
         match (self.kind, self.choice().export) {
             (_, Some(export)) => export.explained,
             (Kind::Steps, _) if self.choice().animation.is_some() => "One file that plays the steps again and again.",
+            (Kind::Steps, _) if IN_PAGE => "One numbered file for each step, in a zip file.",
             (Kind::Steps, _) => "One numbered file for each step, into a folder.",
             (Kind::Scores, _) => "The questions that were answered, with hands, guesses and distances.",
+            (Kind::Clip, _) if self.is_folder() && IN_PAGE => {
+                "A zip file with a picture for each frame, and with the ground truth if it is known."
+            }
             (Kind::Clip, _) if self.is_folder() => {
                 "A folder with a picture for each frame, and with the ground truth if it is known."
             }
@@ -273,7 +284,7 @@ impl State {
 
     /// Where it is written to: a file has one of the endings of its kind.
     fn target(&self) -> Option<PathBuf> {
-        let path = PathBuf::from(super::typed::parse(&self.path.text)?);
+        let path = download::target(Path::new(&super::typed::parse(&self.path.text)?));
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
         // Pictures of a clip have no file of their own.
         let is_file = |choice: &Choice| self.kind != Kind::Clip || choice.ending != "png";
@@ -303,7 +314,7 @@ impl State {
             _ => {
                 let refused = writer::refuse_losses(order, &self.inputs).err().map(|why| format!("{why}."));
                 let prefix = self.choice().export.and_then(|export| export.folder);
-                let is_there = prefix.map_or_else(|| file.exists(), |prefix| holds_numbered(&file, prefix));
+                let is_there = prefix.map_or_else(|| files::exists(&file), |prefix| holds_numbered(&file, prefix));
                 let found = Found { is_there, refused };
                 self.found.insert((file, found)).1.clone()
             }
@@ -362,7 +373,7 @@ impl State {
 
     /// What the dialog asks for, or what is wrong with it.
     fn order(&self) -> Result<Order, String> {
-        let path = self.target().ok_or("Enter an output path.")?;
+        let path = self.target().ok_or(if IN_PAGE { "Enter a file name." } else { "Enter an output path." })?;
         let what = match self.kind {
             Kind::Picture => OutputKind::Picture,
             Kind::Result => OutputKind::Result(self.export(&path).ok_or("Choose a result to save.")?),
@@ -636,11 +647,16 @@ fn range(ui: &mut Ui, state: &mut State, granularities: Granularities) {
 fn path_row(ui: &mut Ui, state: &mut State, actions: &mut Actions) -> bool {
     let mut entered = false;
     let several = state.is_folder();
-    line(ui, if several { "Folder" } else { "File" }, |ui| {
+    let label = match (several, IN_PAGE) {
+        (true, true) => "Zip file",
+        (true, false) => "Folder",
+        (false, _) => "File",
+    };
+    line(ui, label, |ui| {
         let size = TextStyle::Body.resolve(ui.style()).size;
         let width = ui.available_width() - 6.5 * size;
-        entered = state.path.show(ui, "Output path", width);
-        if ui.button("Browse…").clicked() {
+        entered = state.path.show(ui, if IN_PAGE { "File name" } else { "Output path" }, width);
+        if !IN_PAGE && ui.button("Browse…").clicked() {
             actions.ask(Action::Browse(if several { Browse::SaveFolder } else { Browse::SaveFile }));
         }
     });
@@ -705,8 +721,7 @@ fn already(is_folder: bool, path: &Path) -> String {
 
 /// Whether there is a file in `folder` whose name begins with `prefix`.
 fn holds_numbered(folder: &Path, prefix: &str) -> bool {
-    let names = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    names.into_iter().any(|entry| entry.file_name().to_string_lossy().starts_with(prefix))
+    files::entries(folder).any(|path| names::file_name(&path).starts_with(prefix))
 }
 
 /// A name for files about a clip called `name`: letters, digits and dashes.

@@ -1,9 +1,10 @@
 //! A path as a person types or pastes it.
 
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::experiment::source::Source;
+use crate::files;
 
 /// A path as typed or pasted: quotes, a leading `~` and `file://` are understood.
 ///
@@ -19,8 +20,9 @@ pub fn parse(text: &str) -> Option<OsString> {
     Some(paths.find(leads_somewhere).unwrap_or(first))
 }
 
-fn leads_somewhere(path: &OsString) -> bool {
-    matches!(Source::typed(path), Ok(Source::Synth { .. } | Source::Pair(_))) || Path::new(path).exists()
+/// Whether a path names a scene, a pair of pictures, or a file that is there.
+pub fn leads_somewhere(path: &OsString) -> bool {
+    matches!(Source::typed(path), Ok(Source::Synth { .. } | Source::Pair(_))) || files::exists(Path::new(path))
 }
 
 fn line(text: &str) -> Option<OsString> {
@@ -34,15 +36,10 @@ fn line(text: &str) -> Option<OsString> {
         let path = if cfg!(windows) { path.trim_start_matches('/') } else { path };
         return Some(decoded(path));
     }
-    match (text.strip_prefix("~/"), home()) {
+    match (text.strip_prefix("~/"), files::home()) {
         (Some(rest), Some(home)) => Some(home.join(rest).into()),
         _ => Some(text.into()),
     }
-}
-
-/// The person's own folder.
-pub fn home() -> Option<PathBuf> {
-    std::env::var_os("HOME").or_else(|| std::env::var_os("USERPROFILE")).map(PathBuf::from)
 }
 
 /// A path with its `%20`s put back into bytes, as URLs have them.

@@ -3,6 +3,7 @@
 use motionscope_core::base::Error;
 use motionscope_core::run::{Cursor, Direction};
 
+use crate::files;
 use crate::paint::charts::prose::Prose;
 use crate::session::lesson::{Address, Lesson, Page, bundled};
 use crate::ui::model::snapshot::Snapshot;
@@ -36,7 +37,10 @@ impl OpenLesson {
         let lesson = address.load()?;
         lesson.page(address.page)?;
         // Without a thread to spare, the lesson is just not read anew.
-        let watch = address.file().and_then(|path| Watch::new(path.to_owned(), wake).ok());
+        let watch = address
+            .file()
+            .filter(|path| !files::is_in_memory(path))
+            .and_then(|path| Watch::new(path.to_owned(), wake).ok());
         Ok(Self {
             lesson,
             address,

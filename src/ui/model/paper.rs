@@ -4,6 +4,7 @@ use motionscope_core::base::Error;
 
 use super::snapshot::Snapshot;
 use crate::experiment::pixel::Chosen;
+use crate::files;
 use crate::media::Progress;
 use crate::media::export::{self, Inputs, Target};
 use crate::paint::Freehand;
@@ -66,5 +67,5 @@ pub fn worksheet(
 
 fn saved(order: &Order, pdf: &[u8]) -> Result<String, Error> {
     export::save_result(&order.path, pdf)?;
-    Ok(format!("Saved {}.", order.path.display()))
+    Ok(format!("Saved {}.", files::label(&order.path)))
 }

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::chosen_charts::ChosenCharts;
 use super::player::Player;
 use super::practice::Practice;
+use crate::files;
 use crate::media::camera::Size;
 use crate::paint::View;
 use crate::session::lesson::Address;
@@ -235,10 +236,11 @@ impl Settings {
 
     /// Puts a clip at the front of those that were open lately, unless its name is no Unicode: what is remembered is text.
     pub fn remember(&mut self, path: &Path) {
-        if path.to_str().is_none() {
+        // Nobody can open again what was given to a page.
+        if path.to_str().is_none() || files::is_in_memory(path) {
             return;
         }
-        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let path = files::absolute(path);
         self.recent.retain(|other| *other != path);
         self.recent.insert(0, path);
         self.recent.truncate(RECENT);

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, SystemTime};
 
+use crate::files;
 use crate::work;
 
 /// How often the file is looked at.
@@ -47,7 +48,7 @@ impl Watch {
 }
 
 fn written(path: &Path) -> Option<SystemTime> {
-    path.metadata().and_then(|data| data.modified()).ok()
+    files::modified(path).ok()
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@ use super::snapshot::Snapshot;
 use crate::experiment::Prepared;
 use crate::experiment::pixel::Chosen;
 use crate::experiment::source::Source;
+use crate::files;
 use crate::media::Progress;
 use crate::media::export::{self, Inputs};
 use crate::paint::Freehand;
@@ -73,7 +74,7 @@ pub fn picture(order: &Order, shown: &Snapshot) -> Result<String, Error> {
     let estimator = &*shown.subject.experiment.estimator;
     let rendering = Rendering { moment: &shown.moment, estimator, look: &order.look, panes: &order.panes };
     export::save_result(&order.path, &rendering.encode(format, order.scale)?)?;
-    Ok(format!("Saved {}.", order.path.display()))
+    Ok(format!("Saved {}.", files::label(&order.path)))
 }
 
 /// Writes several steps, as pictures or as an animation, with what was drawn by hand in the run; says what was written.
@@ -97,8 +98,12 @@ pub async fn steps(
     let steps = Steps { range, scale, look, panes, pixel, must_have_layer: false, freehand, turntable: 1 };
     let written = steps.write(&shown.subject, medium, Some(progress), None).await?;
     Ok(match medium {
-        Medium::Pictures(..) => format!("Saved {} into {}{}.", written.pictures(), path.display(), written.without()),
-        Medium::Animation(..) => format!("Saved {} as {}{}.", written.pictures(), path.display(), written.without()),
+        Medium::Pictures(..) => {
+            format!("Saved {} into {}{}.", written.pictures(), files::label(&path), written.without())
+        }
+        Medium::Animation(..) => {
+            format!("Saved {} as {}{}.", written.pictures(), files::label(&path), written.without())
+        }
     })
 }
 
@@ -121,7 +126,7 @@ pub fn clip(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> Result<
         OutputKind::Clip(ClipFormat::Video) => padded(clip.size()),
         _ => String::new(),
     };
-    Ok(format!("Saved {}.{padded}", path.display()))
+    Ok(format!("Saved {}.{padded}", files::label(&path)))
 }
 
 /// Says that a video has sides of another length than its clip, if it has.

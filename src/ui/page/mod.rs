@@ -8,6 +8,7 @@ use wasm_bindgen::JsCast as _;
 use web_sys::HtmlCanvasElement;
 
 use super::{Start, app, begin};
+use crate::files;
 use announcer::Announcer;
 
 /// The id of the canvas on which the page has the window drawn.
@@ -26,6 +27,8 @@ async fn run_on(canvas: HtmlCanvasElement) {
     let announcer = Announcer::new(canvas.clone());
     let create = |cc: &eframe::CreationContext<'_>| {
         let mut app = app::App::new(&cc.egui_ctx, cc.storage)?;
+        let ctx = cc.egui_ctx.clone();
+        files::page::listen(move || ctx.request_repaint()).map_err(|_| "the page takes no files")?;
         begin(&mut app, Start::default());
         Ok(Box::new(Page { app, announcer }) as Box<dyn eframe::App>)
     };

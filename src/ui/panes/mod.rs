@@ -14,6 +14,7 @@ pub mod timeline;
 pub mod topbar;
 pub mod transport;
 
+use std::path::Path;
 use std::sync::Arc;
 
 use eframe::egui::{
@@ -36,6 +37,7 @@ use super::model::pen::Pen;
 use super::model::snapshot::Snapshot;
 use super::model::walker::View;
 use super::parts::widgets;
+use crate::files;
 use crate::paint::FreehandLine;
 use crate::paint::charts::heat_map::event;
 use crate::paint::charts::relief::standing;
@@ -507,7 +509,7 @@ impl Panes<'_> {
     fn opening(&mut self, ui: &mut Ui, loading: &Loading) {
         ui.horizontal(|ui| {
             ui.spinner();
-            ui.label(format!("Opening {}…", widgets::elide(&loading.name.to_string_lossy(), 64)));
+            ui.label(format!("Opening {}…", widgets::elide(&files::label(Path::new(&loading.name)).to_string(), 64)));
             let done = loading.work.fraction();
             if done > 0.0 {
                 ui.add(egui::ProgressBar::new(done).desired_width(160.0).show_percentage());

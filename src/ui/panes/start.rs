@@ -18,6 +18,7 @@ use motionscope_core::base::words::capital;
 use motionscope_core::course::estimators;
 use motionscope_core::synth::SCENES;
 
+use crate::files;
 use crate::paint::Theme;
 use crate::session::lesson::{self, Address};
 use crate::ui::commands::{Action, Actions, Command};
@@ -99,7 +100,7 @@ impl State {
         let ctx = ctx.clone();
         // A disk of the network may take long to say that something is not there.
         let look = async move || {
-            let missing = paths.iter().map(|path| is_file(path) && !path.exists()).collect();
+            let missing = paths.iter().map(|path| is_file(path) && !files::exists(path)).collect();
             sender.send(missing).ok();
             ctx.request_repaint();
         };
@@ -212,7 +213,8 @@ impl Drawn<'_, '_> {
                 if close.clicked() {
                     self.actions.command(Command::StartPage);
                 }
-                for command in BUTTONS.into_iter().rev().filter(|_| !is_upright) {
+                let offered = BUTTONS.into_iter().filter(|command| command.is_offered() && !is_upright);
+                for command in offered.rev() {
                     self.button(ui, command);
                 }
                 self.item(&close);
@@ -220,7 +222,8 @@ impl Drawn<'_, '_> {
         });
         ui.label(RichText::new("Walk through any motion estimator, step by step, forwards and backwards.").weak());
         if is_upright {
-            ui.horizontal(|ui| BUTTONS.into_iter().for_each(|command| self.button(ui, command)));
+            let offered = BUTTONS.into_iter().filter(|command| command.is_offered());
+            ui.horizontal(|ui| offered.for_each(|command| self.button(ui, command)));
         }
     }
 
@@ -244,7 +247,10 @@ impl Drawn<'_, '_> {
         if let Some(loading) = self.input.loading {
             ui.horizontal(|ui| {
                 ui.spinner();
-                ui.label(format!("Opening {}…", widgets::elide(&loading.name.display().to_string(), 60)));
+                ui.label(format!(
+                    "Opening {}…",
+                    widgets::elide(&files::label(Path::new(&loading.name)).to_string(), 60)
+                ));
                 if ui.button("Cancel").clicked() {
                     self.actions.ask(Action::CancelOpening);
                 }

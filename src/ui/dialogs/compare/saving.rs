@@ -1,6 +1,6 @@
 //! The table or the plot of a comparison as a file.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use eframe::egui::{Label, RichText, TextStyle, Ui};
@@ -9,6 +9,7 @@ use motionscope_core::scene::Series;
 
 use super::{State, plotted};
 use crate::experiment::comparison::{self, Row};
+use crate::files::{self, IN_PAGE, download};
 use crate::media;
 use crate::media::export::{Inputs, Target};
 use crate::paint::Theme;
@@ -46,7 +47,7 @@ fn buttons(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, actions: &mut Acti
         ui.copy_text(comparison::csv(rows));
     }
     let mut is_entered = state.file.show(ui, "File of the plot or the table", FIELD_LETTERS * size);
-    if ui.button("Browse…").clicked() {
+    if !IN_PAGE && ui.button("Browse…").clicked() {
         actions.ask(Action::Browse(Browse::SaveFile));
     }
     let tip = match is_swept {
@@ -89,13 +90,13 @@ enum Content {
 /// The first name for a table, or for the plot of a sweep.
 pub fn file_of(is_swept: bool) -> String {
     let name = if is_swept { "comparison.svg" } else { "comparison.csv" };
-    std::env::current_dir().unwrap_or_default().join(name).display().to_string()
+    if IN_PAGE { name.into() } else { files::current_dir().join(name).display().to_string() }
 }
 
 /// What the path asks for: the table, or the plot of the column that is shown.
 fn encoded(rows: &[Arc<Row>], state: &State, (document, theme): (&Document, Theme)) -> Result<PendingFile, Error> {
     let message = || Error::new("enter a path that ends in .svg, .png, .pdf or .csv");
-    let path = typed::parse(&state.file.text).map(PathBuf::from).ok_or_else(message)?;
+    let path = typed::parse(&state.file.text).map(|path| download::target(Path::new(&path))).ok_or_else(message)?;
     let inputs = document.prepared_alone().map(|prepared| prepared.inputs).unwrap_or_default();
     let is_table = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
     let content = if is_table {
@@ -114,7 +115,7 @@ impl PendingFile {
     /// Writes the file, if there is none yet; gives what was written.
     fn save(self) -> Result<String, Error> {
         let Self { path, inputs, content } = self;
-        if path.exists() {
+        if files::exists(&path) {
             return Err(Error::new(format!("{} is there already; choose another name", path.display())));
         }
         media::export::check(&inputs, &[Target::File(&path)])
@@ -123,7 +124,7 @@ impl PendingFile {
             Content::Table(table) => table.into_bytes(),
             Content::Plot(series, theme, format) => sweep_plot::encode(&series, theme, format, SCALE)?,
         };
-        media::export::save_result(&path, &bytes)?;
-        Ok(format!("Saved {}.", path.display()))
+        download::hand_over(&path, media::export::save_result(&path, &bytes))?;
+        Ok(format!("Saved {}.", files::label(&path)))
     }
 }

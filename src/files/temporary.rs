@@ -9,12 +9,15 @@ use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError, RwLock, RwLockReadGuard, TryLockError};
 use std::thread;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use motionscope_core::base::Error;
+
+use super::{IN_PAGE, is_in_memory, memory};
 
 /// The prefix of temporary files.
 const PREFIX: &str = ".motionscope-";
@@ -54,10 +57,56 @@ pub fn prefix(folder: &Path) -> String {
     prefix
 }
 
-/// Makes a temporary folder in `place`; dropping it removes it with everything in it.
-pub fn folder(place: &Path) -> io::Result<tempfile::TempDir> {
+/// The system's folder for temporary files.
+pub fn place() -> PathBuf {
+    if IN_PAGE { memory::SAVED.into() } else { std::env::temp_dir() }
+}
+
+/// A temporary folder. Dropping it removes it with everything in it.
+#[derive(Debug)]
+pub struct Folder(Place);
+
+#[derive(Debug)]
+enum Place {
+    Disk(tempfile::TempDir),
+    Memory(PathBuf),
+}
+
+impl Folder {
+    /// Its path.
+    pub fn path(&self) -> &Path {
+        match &self.0 {
+            Place::Disk(folder) => folder.path(),
+            Place::Memory(path) => path,
+        }
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        if let Place::Memory(path) = &self.0 {
+            memory::lock().remove_all(path);
+        }
+    }
+}
+
+/// Makes a temporary folder in `place`.
+///
+/// # Errors
+/// If `place` is no folder, or cannot be written to.
+pub fn folder(place: &Path) -> io::Result<Folder> {
+    /// Tells those in memory apart.
+    static COUNT: AtomicUsize = AtomicUsize::new(0);
+    if is_in_memory(place) {
+        let path = place.join(format!("{PREFIX}{}", COUNT.fetch_add(1, Ordering::Relaxed)));
+        let mut memory = memory::lock();
+        memory.names(place)?;
+        memory.make_folders(&path)?;
+        return Ok(Folder(Place::Memory(path)));
+    }
     let _at_work = at_work();
-    tempfile::Builder::new().prefix(&prefix(place)).tempdir_in(place)
+    let made = tempfile::Builder::new().prefix(&prefix(place)).tempdir_in(place)?;
+    Ok(Folder(Place::Disk(made)))
 }
 
 /// Keeps signals from ending this run until it is dropped, as long as that does not take long: so a file is written, and several
