@@ -12,6 +12,7 @@ mod focus;
 mod frame;
 mod keys;
 mod lessons;
+mod links;
 mod lockstep;
 mod look;
 mod opening;
@@ -40,6 +41,7 @@ use dialogs::Dialogs;
 use exports::Exports;
 use frame::STATES;
 use lessons::Course;
+use links::Links;
 use opening::Opening;
 use present::Presentation;
 use run::Run;
@@ -80,6 +82,7 @@ pub struct App {
     opening: Opening,
     exports: Exports,
     course: Course,
+    links: Links,
     panes: PaneMemory,
     dialogs: Dialogs,
     presentation: Presentation,
@@ -110,6 +113,7 @@ impl App {
             opening: Opening::default(),
             exports: Exports::default(),
             course: Course::default(),
+            links: Links::default(),
             panes: PaneMemory { states, ..PaneMemory::default() },
             dialogs: Dialogs::default(),
             presentation: Presentation::default(),
