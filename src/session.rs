@@ -24,6 +24,7 @@
 //! [[beside]]                       # up to three more estimators in lockstep
 //! estimator = "hierarchical"
 //! set = { levels = 4 }             # parameters that the first does not have
+//! # or above, as in a link: beside = "hierarchical", and in the section set "2.levels" = 4
 //!
 //! [picture]                        # the view options
 //! view = "side-by-side"
@@ -48,6 +49,7 @@
 pub mod example;
 mod ink;
 pub mod lesson;
+pub mod link;
 mod read;
 mod toml_text;
 pub mod trust;
@@ -96,26 +98,41 @@ pub struct Named {
     pub given: Given,
     /// The session, if one was named.
     pub session: Option<Session>,
+    /// The faults of the link that was named, the rest of which is opened.
+    pub faults: Vec<Error>,
 }
 
 impl Named {
+    /// A clip without a session.
+    pub fn clip(source: Source, given: Given) -> Self {
+        Self { source, given, session: None, faults: Vec::new() }
+    }
+
+    fn session(session: Session, given: Given, faults: Vec<Error>) -> Self {
+        Self { source: session.experiment.source.clone(), given, session: Some(session), faults }
+    }
+
     /// Resolves `name`; files in `given` override those of a session.
     ///
     /// # Errors
     /// If it is a session that cannot be read, or a scene that does not exist.
     pub fn find(name: &OsStr, given: Given) -> Result<Self, Error> {
+        if let Some(found) = link::named(name) {
+            let (session, faults) = found?;
+            let given = session.experiment.given.clone().then(given);
+            return Ok(Self::session(session, given, faults));
+        }
         if let Some(session) = example::named(name).or_else(|| lesson::named(name)) {
-            let session = session?;
-            return Ok(Self { source: session.experiment.source.clone(), given, session: Some(session) });
+            return Ok(Self::session(session?, given, Vec::new()));
         }
         if !Session::is_named(Path::new(name)) {
-            return Ok(Self { source: Source::typed(name)?, given, session: None });
+            return Ok(Self::clip(Source::typed(name)?, given));
         }
         let mut session = Session::load(Path::new(name))?;
         let experiment = &mut session.experiment;
         experiment.given = std::mem::take(&mut experiment.given).then(given);
-        let (source, given) = (experiment.source.clone(), experiment.given.clone());
-        Ok(Self { source, given, session: Some(session) })
+        let given = experiment.given.clone();
+        Ok(Self::session(session, given, Vec::new()))
     }
 }
 

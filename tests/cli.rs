@@ -1741,3 +1741,24 @@ fn files_outside_of_the_folder_of_a_session_or_lesson_need_trust() {
     fs::write(here.join("other/a.motionscope"), format!("motionscope = 1\n{}", keys.replace("../other", "."))).unwrap();
     stdout(here, "run other/a.motionscope");
 }
+
+#[test]
+fn a_link_is_printed_and_runs_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = "run synth:pillar,noise=5 --estimator diamond --step 164.14 --set search-range=8 --view blend --link";
+    let link = stdout(folder.path(), run);
+    let fragment = "#synth:pillar,noise=5&estimator=diamond&step=164.14&picture.view=blend&set.search-range=8";
+    assert_eq!(link, format!("https://motionscope.github.io/motionscope/{fragment}\n"));
+    let again = stdout(folder.path(), &format!("run {} --link --link-base http://localhost/a/", link.trim()));
+    assert_eq!(again, format!("http://localhost/a/{fragment}\n"));
+    let page = stdout(folder.path(), "run #lesson:kalman-filter/3 --step 5.2 --link");
+    assert!(page.ends_with("#lesson:kalman-filter/3&step=5.2\n"), "{page}");
+    assert!(refusal(folder.path(), &format!("{run} --flow f.flo")).contains("--link computes nothing"));
+    assert!(refusal(folder.path(), "run # --json").contains("start page"));
+
+    let wrong = motionscope(folder.path(), &format!("run #{SMALL}&estimator=diamond&set.serch-range=8 --json"));
+    let told = String::from_utf8(wrong.stderr).expect("text");
+    assert!(wrong.status.success() && told.contains("the nearest is search-range"), "{told}");
+    let run: Value = serde_json::from_slice(&wrong.stdout).expect("JSON");
+    assert_eq!(run["estimator"]["id"].as_str().or(run["estimator"].as_str()), Some("diamond"), "{run}");
+}

@@ -15,7 +15,7 @@ const DATA: [(&str, &str); 4] = [
 ];
 
 /// Words that are names of something else in the file that has them.
-const OTHERWISE: [(&str, &str, &str); 48] = [
+const OTHERWISE: [(&str, &str, &str); 53] = [
     ("src/cli/args.rs", "frame", "a flag"),
     ("src/cli/lessons.rs", "clip", "a key of the JSON"),
     ("src/cli/lessons.rs", "step", "a key of the JSON"),
@@ -46,6 +46,11 @@ const OTHERWISE: [(&str, &str, &str); 48] = [
     ("src/session/ink.rs", "points", "a key of the session"),
     ("src/session/ink.rs", "step", "a key of the session"),
     ("src/session/lesson/read.rs", "predict", "a key of the page"),
+    ("src/session/link/base.rs", "clip", "a key of the session"),
+    ("src/session/link/mod.rs", "clip", "a key of the session"),
+    ("src/session/link/mod.rs", "frame", "a key of the session"),
+    ("src/session/link/mod.rs", "step", "a key of the session"),
+    ("src/session/write.rs", "clip", "a key of the session"),
     ("src/session/read.rs", "clip", "a key of the session"),
     ("src/session/read.rs", "frame", "a key of the session"),
     ("src/session/read.rs", "object", "a key of the session"),
@@ -205,7 +210,7 @@ const PHRASES: [&str; 10] = [
 /// Folders in which comments have none of these.
 const PLAIN: [&str; 4] = ["core/src/families/", "core/src/methods/", "core/src/products/", "core/src/run/"];
 /// The number of such comments in all other folders; it only goes down.
-const LEFT: usize = 774;
+const LEFT: usize = 772;
 
 /// Every comment of `source` with its first line: lines that follow each other are one comment.
 fn comments(source: &str) -> Vec<(usize, String)> {

@@ -87,7 +87,7 @@ const BLOCK_END: &str = "motionscope = 1\nclip = \"synth:pillar\"\nestimator = \
 const DRAWN: &str = "motionscope = 1\nclip = \"synth:pillar\"\nestimator = \"diamond\"\nstep = \"164.14\"\n\n[[ink]]\nstep = \"164.14\"\n\
     picture = \"t+1\"\ncolor = \"yellow\"\npoints = \"50,118 58,112 70,112 80,118 84,130 80,142 68,148 56,146 48,136 47,126 51,117\"\n";
 
-const SCENES: [Scene; 12] = [
+const SCENES: [Scene; 13] = [
     Scene::new("start", "", &[Command::StartPage]),
     Scene { theme: Theme::Light, ..Scene::new("lesson", "lesson:sequential-search/3", &[]) },
     Scene::new("question", BLOCK_END, &[Command::Predict, Command::Over]),
@@ -102,6 +102,11 @@ const SCENES: [Scene; 12] = [
         ..Scene::new("light", "synth:parallax", &[Command::End, Command::FrameT])
     },
     Scene::new("projector", DIAMOND, &[]),
+    Scene {
+        size: vec2(800.0, 450.0),
+        theme: Theme::Light,
+        ..Scene::new("embed", "#lesson:horn-schunck/2&view=embed", &[])
+    },
     Scene {
         size: vec2(1280.0, 800.0),
         theme: Theme::Light,

@@ -26,6 +26,8 @@ mod layout;
 mod lessons;
 #[path = "window/levels.rs"]
 mod levels;
+#[path = "window/links.rs"]
+mod links;
 #[path = "window/lockstep.rs"]
 mod lockstep;
 #[path = "window/look.rs"]

@@ -23,7 +23,7 @@ use crate::view::rendering::Format;
 #[derive(Parser)]
 #[command(name = "motionscope", version, after_help = examples::ALL, args_conflicts_with_subcommands = true)]
 pub struct Args {
-    /// Clip or session to open in the window; the start page by default.
+    /// Clip, session or link to open in the window; the start page by default.
     pub clip: Option<OsString>,
     /// Second picture: CLIP and it are the two frames of the clip.
     #[arg(value_name = "PICTURE")]
@@ -31,6 +31,9 @@ pub struct Args {
     /// Open what a session or lesson names outside of its folder, or what needs ffmpeg.
     #[arg(long, global = true)]
     pub trust: bool,
+    /// Address of the page that links lead to, without # and what follows; the window remembers it.
+    #[arg(long, global = true, value_name = "URL", value_parser = link_base)]
+    pub link_base: Option<String>,
     #[command(subcommand)]
     pub command: Option<Command>,
 }
@@ -324,6 +327,9 @@ pub struct RunArgs {
     /// Print the steps of a range as data, one JSON object a line, in place of the report.
     #[arg(long, help_heading = "Output", value_name = "A..B", value_parser = steps, requires = "json", conflicts_with_all = ["overlay", "repeat", "beside"])]
     pub steps: Option<(Cursor, Cursor)>,
+    /// Print the link of the step in place of the report: it opens in a browser and as an argument of motionscope.
+    #[arg(long, help_heading = "Output", conflicts_with_all = ["json", "overlay", "repeat", "steps"])]
+    pub link: bool,
     /// Number of runs, for the timing.
     #[arg(long, help_heading = "Execution", value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub repeat: u32,
@@ -414,6 +420,12 @@ fn format(ending: &str) -> Result<Format, String> {
 
 fn pace(id: &str) -> Result<Pace, String> {
     session::pace(id).map_err(|error| error.to_string())
+}
+
+fn link_base(text: &str) -> Result<String, String> {
+    let is_address = text.contains("://") && !text.contains(['#', ' ']);
+    let message = || format!("an address has the form https://HOST/PATH/ without #, not {text}");
+    is_address.then(|| text.to_owned()).ok_or_else(message)
 }
 
 fn rate(text: &str) -> Result<f32, String> {

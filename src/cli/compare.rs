@@ -31,7 +31,9 @@ const PLOT_SCALE: u32 = 2;
 /// One sentence if anything named does not exist, cannot run or cannot be written.
 pub fn compare(args: &CompareArgs) -> Result<(), Error> {
     let given = args.given.with(Given { truth: args.truth.clone(), ..Given::default() });
-    let Named { source, given, session } = Named::find(&task::clip_name(args.clip.clone(), args.next.clone())?, given)?;
+    let Named { source, given, session, faults } =
+        Named::find(&task::clip_name(args.clip.clone(), args.next.clone())?, given)?;
+    task::warn_of_faults(&faults);
     let opened = session.map(|session| session.experiment);
     let chosen = args.frame.or(opened.as_ref().map(|opened| opened.frame));
     if args.course {

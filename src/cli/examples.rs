@@ -15,8 +15,9 @@ Examples:
 A CLIP is a video, an animation, an image of a numbered sequence, two pictures, a folder of
 images, a printf pattern such as frame%02d.png, a session (*.motionscope), `-` for Y4M on
 standard input, synth:NAME[,SLIDER=VALUE]... for a synthetic clip (see `motionscope synth --list`),
-example:ESTIMATOR/ID for an example of an estimator (see `motionscope list ESTIMATOR`), or
-lesson:NAME/PAGE for a page of a lesson (see `motionscope lessons`).";
+example:ESTIMATOR/ID for an example of an estimator (see `motionscope list ESTIMATOR`),
+lesson:NAME/PAGE for a page of a lesson (see `motionscope lessons`), or a link in quotes, such
+as '#lesson:kalman-filter/3' (see --link of `motionscope run`).";
 
 /// Of `list`.
 pub const LIST: &str = "\

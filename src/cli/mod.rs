@@ -8,6 +8,7 @@ mod export;
 mod free_memory;
 mod glossary;
 mod lessons;
+mod link;
 mod list;
 mod look;
 mod outputs;
@@ -72,7 +73,7 @@ fn run(args: Args) -> Result<(), Error> {
         trust::trust_all();
     }
     match args.command {
-        None => window(args.clip.map(|clip| task::clip_name(clip, args.next)).transpose()?),
+        None => window(args.clip.map(|clip| task::clip_name(clip, args.next)).transpose()?, args.link_base),
         Some(Command::List { estimators, json }) => {
             let all = list::chosen(&estimators)?;
             if json { say_json(&list::json(&all)) } else { say(&list::text(&all, !estimators.is_empty())) }
@@ -82,7 +83,9 @@ fn run(args: Args) -> Result<(), Error> {
         Some(Command::Lessons { lesson, json }) => said(json)(&lessons::listed(lesson.as_deref(), json)?),
         Some(Command::Info { clip, next, json, count, truth, given: args }) => {
             let clip = task::clip_name(clip, next)?;
-            let Named { source, given, .. } = Named::find(&clip, args.with(Given { truth, ..Given::default() }))?;
+            let named = Named::find(&clip, args.with(Given { truth, ..Given::default() }))?;
+            let Named { source, given, faults, .. } = named;
+            task::warn_of_faults(&faults);
             let clip = source.open(&Open { count, given, ..Open::default() })?.clip;
             let info = Info::of(&clip).with_repeats(&clip, count);
             if json { say_json(&to_json(&info)?) } else { say(&info.to_string()) }
@@ -92,7 +95,7 @@ fn run(args: Args) -> Result<(), Error> {
             _ => say(&list::scenes()),
         },
         Some(Command::Camera(args)) => say(&camera::camera(&args)?),
-        Some(Command::Run(args)) => run::run(&args),
+        Some(Command::Run(run)) => run::run(&run, args.link_base.as_deref()),
         Some(Command::Export(args)) => export::export(&args),
         Some(Command::Compare(args)) => compare::compare(&args),
     }
@@ -103,8 +106,8 @@ fn said(json: bool) -> fn(&str) -> Result<(), Error> {
     if json { say_json } else { say }
 }
 
-fn window(clip: Option<OsString>) -> Result<(), Error> {
-    ui::run(ui::Start { open: clip })
+fn window(clip: Option<OsString>, link_base: Option<String>) -> Result<(), Error> {
+    ui::run(ui::Start { open: clip }, link_base)
 }
 
 /// The words that are looked for, if they are not longer than any text in which they could be found.

@@ -11,6 +11,7 @@ use motionscope_core::scene::{Levels, Picture, Step};
 use web_time::{Duration, Instant};
 
 use super::args::RunArgs;
+use super::link;
 use super::outputs::{self, check_folder, refuse_losses};
 use super::print::{remark, say, say_beside, say_json, to_json};
 use super::report::{ExplainedPixel, Findings, Report, Timing};
@@ -32,10 +33,13 @@ use crate::view::rendering::{Format, Rendering};
 ///
 /// # Errors
 /// One sentence if anything named does not exist, cannot run or cannot be written.
-pub fn run(args: &RunArgs) -> Result<(), Error> {
+pub fn run(args: &RunArgs, link_base: Option<&str>) -> Result<(), Error> {
     let outputs = Outputs::new(args)?;
     args.paper.check()?;
     let session = task::session(&args.task, &args.picture)?;
+    if args.link {
+        return say(&link::link(args, session, link_base)?);
+    }
     let (look, section) = (task::look(&session), task::section(&session));
     let place = Place { args, look, section, position: session.position, freehand: session.freehand };
     let prepared = task::prepare(&args.task, session.experiment)?;

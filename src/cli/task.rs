@@ -30,7 +30,8 @@ use crate::view::look::{Changes, Look};
 /// # Errors
 /// If a session, an estimator or a parameter that is named does not exist.
 pub fn session(args: &TaskArgs, picture: &PictureArgs) -> Result<Session, Error> {
-    let Named { source, given, session } = named(args)?;
+    let Named { source, given, session, faults } = named(args)?;
+    warn_of_faults(&faults);
     let missing = || Error::new("no estimator is given; choose one with --estimator ID, see `motionscope list`");
     let chosen = args.estimator.as_deref().map(estimator).transpose()?;
     let mut session = match (session, &chosen) {
@@ -79,6 +80,11 @@ fn named(args: &TaskArgs) -> Result<Named, Error> {
         }
         (None, None) => Err(Error::new("no clip is given; name one, or give --detections FILE")),
     }
+}
+
+/// Says what is wrong with a link, the rest of which is opened.
+pub fn warn_of_faults(faults: &[Error]) {
+    faults.iter().for_each(|why| remark(&format!("warning: the link is opened without this: {why}")));
 }
 
 /// Returns the name of the clip `clip`, or of the two pictures `clip` and `next`.

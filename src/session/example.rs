@@ -14,7 +14,7 @@ use crate::view::look::Changes;
 use crate::view::rendering::said;
 
 /// The prefix of an example's name.
-const EXAMPLE: &str = "example:";
+pub(super) const EXAMPLE: &str = "example:";
 
 /// Returns the name under which an `example` of the estimator `id` is opened.
 pub fn name(id: &str, example: &Example) -> String {

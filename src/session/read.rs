@@ -66,11 +66,17 @@ pub(super) fn keys(top: &mut Section<'_>, base: Option<Session>, folder: &Path) 
         (None, Some(base)) => base.experiment.estimator.boxed_clone(),
         (None, None) => return Err(top.lacks("estimator")),
     };
-    for (name, value) in section(top, "set")?.all() {
+    let (of_others, own): (Vec<_>, Vec<_>) =
+        section(top, "set")?.all().into_iter().partition(|(name, _)| has_number(name));
+    for (name, value) in own {
         leader.set(&name, &value.plain()?).map_err(|why| value.wrong(why))?;
     }
     let pace = top.take("pace").map_or(Ok(Pace::Block), |entry| entry.parsed(pace))?;
-    let side_by_side = side_by_side(top, &mut *leader, pace)?;
+    let mut side_by_side = side_by_side(top, &mut *leader, pace)?;
+    for (name, value) in of_others {
+        let setting = format!("{name}={}", value.plain()?);
+        side_by_side.set(&mut *leader, &setting).map_err(|why| value.wrong(why))?;
+    }
     let frame = top.take("frame").map(|frame| frame.count()).transpose()?;
     let experiment = match (source, &base) {
         (None, Some(base)) => Experiment {
@@ -124,9 +130,18 @@ fn section<'a>(of: &mut Section<'a>, key: &'static str) -> Result<Section<'a>, E
     of.take(key).map_or_else(|| Ok(Section::empty()), Entry::section)
 }
 
+/// Whether a parameter is that of an estimator in lockstep, as `2.levels`.
+fn has_number(name: &str) -> bool {
+    name.split_once('.').is_some_and(|(number, _)| number.parse::<usize>().is_ok())
+}
+
 /// Parses the estimators in lockstep with `leader`.
 fn side_by_side(top: &mut Section<'_>, leader: &mut dyn AnyEstimator, pace: Pace) -> Result<SideBySide, Error> {
     let Some(entry) = top.take("beside") else { return Ok(SideBySide::default()) };
+    if let Ok(ids) = entry.text() {
+        let ids: Vec<&str> = ids.split(',').collect();
+        return SideBySide::of(leader, &ids, pace).map_err(|why| entry.wrong(why));
+    }
     let (mut ids, mut settings) = (Vec::new(), Vec::new());
     for mut one in entry.sections()? {
         let id = one.need("estimator")?;

@@ -1,9 +1,10 @@
-//! TOML that is read key by key, so that whatever is wrong is told with its line and its key.
+//! TOML that is read key by key, so that whatever is wrong is told with its line and its key. In a link each value is a text, which is
+//! read as whatever is asked for.
 
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use motionscope_core::base::Error;
+use motionscope_core::base::{Error, words};
 use motionscope_core::params::Kind;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -32,7 +33,19 @@ impl<'a> Section<'a> {
     /// # Errors
     /// A sentence that names the line if it is no TOML.
     pub fn parse(text: &'a str) -> Result<Self, Error> {
-        let lines = Arc::new(Lines::of(text));
+        Self::of(text, Lines::of(text))
+    }
+
+    /// The whole of `text`, in which numbers, switches and lists are texts too.
+    ///
+    /// # Errors
+    /// A sentence that names the line if it is no TOML.
+    pub fn parse_texts(text: &'a str) -> Result<Self, Error> {
+        Self::of(text, Lines { are_texts: true, ..Lines::of(text) })
+    }
+
+    fn of(text: &'a str, lines: Lines) -> Result<Self, Error> {
+        let lines = Arc::new(lines);
         let table = DeTable::parse(text).map_err(|error| unreadable(text, &lines, &error))?;
         Ok(Self::new(&lines, (String::new(), 1), table.into_inner()))
     }
@@ -87,14 +100,13 @@ impl<'a> Section<'a> {
     /// Nothing more is to be taken.
     ///
     /// # Errors
-    /// If there is a key that nobody has asked for.
+    /// If there is a key that was not asked for.
     pub fn end(self) -> Result<(), Error> {
-        let known = self.known.join(", ");
         match self.entries.iter().min_by_key(|(_, entry)| entry.line) {
             None => Ok(()),
             Some((name, entry)) => {
-                let name = Error::short_name(name);
-                Err(Error::new(format!("line {}: there is no key {name} here; there are {known}", entry.line)))
+                let why = words::there_is_no("key", &Error::short_name(name), &self.known);
+                Err(Error::new(format!("line {}: {why}", entry.line)))
             }
         }
     }
@@ -140,8 +152,12 @@ impl<'a> Entry<'a> {
     /// # Errors
     /// If it is something else.
     pub fn whole(&self) -> Result<i64, Error> {
-        let number =
-            self.value.as_integer().and_then(|number| i64::from_str_radix(number.as_str(), number.radix()).ok());
+        let number = match self.as_text() {
+            Some(text) => text.parse().ok(),
+            None => {
+                self.value.as_integer().and_then(|number| i64::from_str_radix(number.as_str(), number.radix()).ok())
+            }
+        };
         number.ok_or_else(|| self.is_no("a whole number"))
     }
 
@@ -158,7 +174,16 @@ impl<'a> Entry<'a> {
     /// # Errors
     /// If it is something else.
     pub fn number(&self) -> Result<f32, Error> {
-        number(&self.value).ok_or_else(|| self.is_no("a number"))
+        self.as_number().ok_or_else(|| self.is_no("a number"))
+    }
+
+    /// The text that stands for a value of another kind, if all values are texts.
+    fn as_text(&self) -> Option<&str> {
+        self.value.as_str().filter(|_| self.lines.are_texts)
+    }
+
+    fn as_number(&self) -> Option<f32> {
+        self.as_text().map_or_else(|| number(&self.value), |text| text.parse().ok())
     }
 
     /// Yes or no.
@@ -166,7 +191,12 @@ impl<'a> Entry<'a> {
     /// # Errors
     /// If it is something else.
     pub fn switch(&self) -> Result<bool, Error> {
-        self.value.as_bool().ok_or_else(|| self.is_no("true or false"))
+        let value = match self.as_text() {
+            Some("true" | "on") => Some(true),
+            Some("false" | "off") => Some(false),
+            _ => self.value.as_bool(),
+        };
+        value.ok_or_else(|| self.is_no("true or false"))
     }
 
     /// A number or a text: whichever it is.
@@ -174,7 +204,7 @@ impl<'a> Entry<'a> {
     /// # Errors
     /// If it is something else.
     pub fn number_or_text(&self) -> Result<Result<f32, &str>, Error> {
-        match (number(&self.value), self.value.as_str()) {
+        match (self.as_number(), self.value.as_str()) {
             (Some(number), _) => Ok(Ok(number)),
             (None, Some(text)) => Ok(Err(text)),
             _ => Err(self.is_no("a number or a text in quotes")),
@@ -186,8 +216,10 @@ impl<'a> Entry<'a> {
     /// # Errors
     /// If it is something else.
     pub fn numbers<const N: usize>(&self) -> Result<[f32; N], Error> {
-        let all: Option<Vec<f32>> =
-            self.value.as_array().and_then(|all| all.iter().map(|value| number(value.get_ref())).collect());
+        let all: Option<Vec<f32>> = match self.as_text() {
+            Some(text) => text.split(',').map(|number| number.parse().ok()).collect(),
+            None => self.value.as_array().and_then(|all| all.iter().map(|value| number(value.get_ref())).collect()),
+        };
         let all = all.and_then(|all| <[f32; N]>::try_from(all).ok());
         all.ok_or_else(|| self.is_no(&format!("a list of {N} numbers")))
     }
@@ -262,23 +294,29 @@ fn number(value: &DeValue<'_>) -> Option<f32> {
     }
 }
 
-/// The ends of the lines of a text, found once.
-struct Lines(Vec<usize>);
+/// The lines of a text, and how its values are written.
+struct Lines {
+    /// Where each line ends, found once.
+    ends: Vec<usize>,
+    /// Whether all values are texts, whatever they stand for.
+    are_texts: bool,
+}
 
 impl Lines {
     fn of(text: &str) -> Self {
-        Self(text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at).collect())
+        let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at).collect();
+        Self { ends, are_texts: false }
     }
 
     /// The line of the byte `at`, counted from 1.
     fn at(&self, at: usize) -> usize {
-        1 + self.0.partition_point(|end| *end < at)
+        1 + self.ends.partition_point(|end| *end < at)
     }
 
     /// The first line with which `text` becomes too deep for the parser, which does not say where that is.
     fn first_too_deep(&self, text: &str) -> usize {
         let is_fine = |end: &usize| !DeTable::parse(&text[..*end]).is_err_and(|error| is_too_deep(&error));
-        1 + self.0.partition_point(is_fine)
+        1 + self.ends.partition_point(is_fine)
     }
 }
 

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
 use motionscope_core::base::Error;
+use motionscope_core::course;
 use motionscope_core::params::Value;
 use motionscope_core::run::AnyEstimator;
 use serde::ser::SerializeMap;
@@ -15,7 +16,8 @@ use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Position};
 use crate::files::{self, given};
 use crate::media::{Given, GivenCalibration};
-use crate::view::look::Changes;
+use crate::paint::Freehand;
+use crate::view::look::{Changes, Look};
 
 /// The session file.
 #[derive(Serialize)]
@@ -85,14 +87,19 @@ impl Serialize for Picture<'_> {
 
 /// Returns the text of `session` for a file in `folder`.
 pub(super) fn text(session: &Session, folder: &Path) -> Result<String, Error> {
+    with_paths(session, &|path| relative(path, folder))
+}
+
+/// Returns the text of `session` with `named` applied to the path of each file.
+fn with_paths(session: &Session, named: &dyn Fn(&Path) -> PathBuf) -> Result<String, Error> {
     let Session { experiment, position: Position { cursor, held }, look, sight, freehand } = session;
     let Experiment { source, given, estimator, side_by_side, frame } = experiment;
     let Given { truth, detections, right, calibration, disparity_scale, depths, depth_scale, contrast } =
-        given.clone().map_path(|path| relative(path, folder));
+        given.clone().map_path(named);
     let path = |path: &PathBuf| slashed(path);
     let text = Text {
         motionscope: VERSION,
-        clip: match source.clone().map_path(|path| relative(path, folder)) {
+        clip: match source.clone().map_path(named) {
             Source::File(path) => slashed(&path)?,
             Source::Pair(files) => {
                 let [first, second] = [slashed(&files[0])?, slashed(&files[1])?];
@@ -124,6 +131,45 @@ pub(super) fn text(session: &Session, folder: &Path) -> Result<String, Error> {
         ink: freehand.lines.iter().map(ink::Line::from).collect(),
     };
     toml::to_string(&text).map_err(|error| Error::new(format!("the session cannot be written: {error}")))
+}
+
+/// Returns the keys of `session` with `named` applied to the path of each file, without those that a new run of its estimator on its clip
+/// has anyway. The theme is left out as well: it is that of the room.
+pub(super) fn differing(session: &Session, named: &dyn Fn(&Path) -> PathBuf) -> Result<toml::Table, Error> {
+    let unwritten = |why: toml::de::Error| Error::new(format!("the session cannot be written: {why}"));
+    let estimator = &*session.experiment.estimator;
+    let usual = Session {
+        experiment: Experiment::new(session.experiment.source.clone(), course::estimator(estimator.info().id)?),
+        position: Position::default(),
+        look: Look::opening(estimator.shows_frame_alone()).into(),
+        sight: None,
+        freehand: Freehand::default(),
+    };
+    let table = |session: &Session| with_paths(session, named)?.parse::<toml::Table>().map_err(unwritten);
+    let (mut keys, usual) = (table(session)?, table(&usual)?);
+    keys.remove("motionscope");
+    keys.insert("set".into(), changed_values(estimator)?.into());
+    let is_usual = |name: &str, value: &toml::Value| usual.get(name) == Some(value);
+    keys.retain(|name, value| matches!(name, "clip" | "estimator") || !is_usual(name, value));
+    if let Some(toml::Value::Table(picture)) = keys.get_mut("picture") {
+        picture
+            .retain(|name, value| name != "theme" && usual.get("picture").and_then(|of| of.get(name)) != Some(value));
+    }
+    keys.retain(|_, value| value.as_table().is_none_or(|section| !section.is_empty()));
+    Ok(keys)
+}
+
+/// The parameters that `estimator` does not have by default, those of a stage as far as they are not the defaults of that stage.
+fn changed_values(estimator: &dyn AnyEstimator) -> Result<toml::Table, Error> {
+    let mut fresh = course::estimator(estimator.info().id)?;
+    let mut changed = toml::Table::new();
+    for (name, value) in estimator.all_values() {
+        if fresh.get(&name).ok().as_ref() != Some(&value) {
+            fresh.set(&name, &value.to_string())?;
+            changed.insert(name, toml_value(&value));
+        }
+    }
+    Ok(changed)
 }
 
 /// Returns `path` relative to `folder`, with `..` where needed; absolute if they have no common root. A file that was given to a page

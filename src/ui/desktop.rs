@@ -5,11 +5,11 @@ use motionscope_core::base::Error;
 use super::{Start, app, begin, parts};
 use crate::experiment::first;
 
-/// Opens the window and returns when it is closed.
+/// Opens the window and returns when it is closed. The links that it copies lead to `link_base`, if that is given, from now on.
 ///
 /// # Errors
 /// A sentence that says what to do where no window can be opened.
-pub fn run(start: Start) -> Result<(), Error> {
+pub fn run(start: Start, link_base: Option<String>) -> Result<(), Error> {
     let viewport = eframe::egui::ViewportBuilder::default()
         .with_title("Motionscope")
         .with_app_id("motionscope")
@@ -20,6 +20,7 @@ pub fn run(start: Start) -> Result<(), Error> {
     let options = eframe::NativeOptions { viewport, ..Default::default() };
     let create = move |cc: &eframe::CreationContext<'_>| {
         let mut app = app::App::new(&cc.egui_ctx, cc.storage)?;
+        link_base.into_iter().for_each(|base| app.lead_links_to(base));
         begin(&mut app, start);
         Ok(Box::new(app) as Box<dyn eframe::App>)
     };

@@ -47,6 +47,8 @@ pub enum Mode {
     Working,
     /// The sentence and the formula, in large type.
     Lecture,
+    /// The same, with nothing around it but the transport.
+    Embedded,
     /// The same, in type for the last row, with nothing around it.
     Presenting,
 }
@@ -280,6 +282,8 @@ const LEAST_UPRIGHT: Vec2 = vec2(25.0, 44.0);
 const UPRIGHT_LETTERS: f32 = 36.0;
 /// Most of the body that the page of a lesson has above the pictures of an upright window.
 const UPRIGHT_PAGE: f32 = 0.34;
+/// The same without header.
+const LEAST_EMBEDDED: Vec2 = vec2(45.5, 28.0);
 /// The same without header and transport.
 const LEAST_PRESENTED: Vec2 = vec2(45.5, 25.5);
 /// Least height in which a chart can be read, and least width, in letters.
@@ -330,7 +334,7 @@ impl Mode {
     pub fn told_pt(self, type_pt: f32) -> f32 {
         match self {
             Self::Working => type_pt,
-            Self::Lecture => (1.17 * type_pt).round(),
+            Self::Lecture | Self::Embedded => (1.17 * type_pt).round(),
             Self::Presenting => (1.28 * type_pt).round(),
         }
     }
@@ -830,7 +834,11 @@ pub fn with_row(rect: Rect, height: f32) -> (Rect, Rect) {
 /// The interface scale that `wanted` is cut down to in a window of `size` in points at scale 1, so that everything has room
 /// with type of `type_pt`.
 pub fn zoom_that_fits(wanted: f32, size: Vec2, type_pt: f32, mode: Mode) -> f32 {
-    let all: &[Vec2] = if mode == Mode::Presenting { &[LEAST_PRESENTED] } else { &[LEAST_LETTERS, LEAST_UPRIGHT] };
+    let all: &[Vec2] = match mode {
+        Mode::Working | Mode::Lecture => &[LEAST_LETTERS, LEAST_UPRIGHT],
+        Mode::Embedded => &[LEAST_EMBEDDED, LEAST_UPRIGHT],
+        Mode::Presenting => &[LEAST_PRESENTED],
+    };
     let most = all.iter().map(|least| (size / (*least * type_pt)).min_elem()).fold(f32::NAN, f32::max);
     // Hundredths, so that nothing flickers while the window is dragged.
     let most = (most * 100.0).floor() / 100.0;

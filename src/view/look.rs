@@ -87,6 +87,12 @@ impl Look {
         Self { view: Some(View::default()), legend: true, ..Self::default() }
     }
 
+    /// Returns the options with which the window opens a run: both frames for an estimator of pairs, frame t for one of single frames.
+    pub fn opening(shows_frame_alone: bool) -> Self {
+        let view = if shows_frame_alone { View::Current } else { View::default() };
+        Self { view: Some(view), ..Self::of_window() }
+    }
+
     /// Returns the style in which `pictures` are drawn.
     pub fn style(&self, pictures: &Pictures) -> Style {
         let Self { theme, colors, arrow_scale, arrow_spacing, streaks, .. } = *self;
@@ -159,6 +165,14 @@ impl Changes {
     pub fn set(&mut self, index: usize, text: &str) -> Result<(), Error> {
         self.values[index] = Some(Look::entries()[index].parse(text)?);
         Ok(())
+    }
+
+    /// Returns these options without `name`.
+    #[must_use]
+    pub fn without(mut self, name: &str) -> Self {
+        let all = self.values.iter_mut().zip(Look::entries());
+        all.filter(|(_, spec)| spec.name == name).for_each(|(value, _)| *value = None);
+        self
     }
 
     /// Whether the option `name` is set.

@@ -87,7 +87,7 @@ pub fn plural(one: &str) -> String {
 }
 
 /// The message for an unknown name: the nearest of `names` if `given` looks like a misspelling of it, else all of them.
-pub(crate) fn there_is_no(kind: &str, given: &str, names: &[&str]) -> String {
+pub fn there_is_no(kind: &str, given: &str, names: &[&str]) -> String {
     match nearest(given, names.iter().copied()) {
         Some(name) => format!("there is no {kind} {given}; the nearest is {name}"),
         None => format!("there is no {kind} {given}; there are {}", names.join(", ")),

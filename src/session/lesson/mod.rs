@@ -33,16 +33,12 @@ use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
 use motionscope_core::base::Error;
-use motionscope_core::course::estimator;
 use motionscope_core::run::Cursor;
 
-use super::{Session, folder_of, trust};
-use crate::experiment::{Experiment, Position};
+use super::{Session, folder_of, trust, write};
 use crate::files;
 use crate::media;
-use crate::paint::Freehand;
 use crate::paint::charts::prose::Prose;
-use crate::view::look::Look;
 
 pub use bundled::{all, chapters};
 
@@ -216,30 +212,10 @@ impl From<&Lesson> for Address {
 /// # Errors
 /// If the session cannot be written.
 pub fn page_text(session: &Session, folder: &Path) -> Result<String, Error> {
-    let usual = Session {
-        experiment: Experiment::new(
-            session.experiment.source.clone(),
-            estimator(session.experiment.estimator.info().id)?,
-        ),
-        position: Position::default(),
-        look: Look::of_window().into(),
-        sight: None,
-        freehand: Freehand::default(),
-    };
-    let unwritten = |why: String| Error::new(format!("the page cannot be written: {why}"));
-    let table =
-        |session: &Session| session.text(folder)?.parse::<toml::Table>().map_err(|why| unwritten(why.to_string()));
-    let (mut keys, usual) = (table(session)?, table(&usual)?);
-    // A page needs no version, and the theme is that of the room.
-    keys.remove("motionscope");
-    for name in ["set", "picture"] {
-        let Some(toml::Value::Table(section)) = keys.get_mut(name) else { continue };
-        section.retain(|key, value| key != "theme" && usual.get(name).and_then(|of| of.get(key)) != Some(value));
-        if section.is_empty() {
-            keys.remove(name);
-        }
-    }
-    let (fence, keys) = (read::FENCE, toml::to_string(&keys).map_err(|why| unwritten(why.to_string()))?);
+    let unwritten = |why: toml::ser::Error| Error::new(format!("the page cannot be written: {why}"));
+    let keys =
+        toml::to_string(&write::differing(session, &|path| write::relative(path, folder))?).map_err(unwritten)?;
+    let fence = read::FENCE;
     Ok(format!("{fence}\ntitle = \"\"\n{keys}{fence}\n\n"))
 }
 

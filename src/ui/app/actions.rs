@@ -26,6 +26,7 @@ impl App {
             Action::Type(_, text, _) => {
                 self.dialogs.overlay = Overlay::Open(Box::new(open_dialog::State::asking(text)))
             }
+            Action::OpenWhole => self.open_whole(),
             Action::OpenSample(sample) => self.open_sample(sample),
             Action::OpenExample(id, example) => self.open_example(id, example),
             Action::OpenPage(address) => self.open_page(address),

@@ -4,6 +4,7 @@ use eframe::egui::{self, Rect};
 use motionscope_core::scene::Chart;
 use motionscope_core::scene::Step;
 
+use super::present::Presentation;
 use super::{App, Region};
 use crate::paint::Theme;
 use crate::ui::layout::{Arrangement, LessonPage, Mode, Pictures, Room};
@@ -51,7 +52,11 @@ impl App {
         let type_pt = self.settings.look.theme.sizes().body;
         let window = ctx.content_rect().size();
         let is_lecture = self.settings.lecture || self.settings.look.theme == Theme::Projector;
-        let mode = if self.presentation.is_on { Mode::Presenting } else { Mode::of(window, type_pt, is_lecture) };
+        let mode = match &self.presentation {
+            Presentation { is_on: true, .. } => Mode::Presenting,
+            Presentation { is_embedded: true, .. } => Mode::Embedded,
+            _ => Mode::of(window, type_pt, is_lecture),
+        };
         self.settings.mode = Some(mode);
         self.settings.is_narrow = !self.room(Rect::NOTHING, window).has_docked_parameters();
     }

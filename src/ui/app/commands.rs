@@ -53,6 +53,7 @@ impl App {
             C::Lessons => self.dialogs.overlay = Overlay::Lessons(lessons::State::at(self.course.lesson.as_ref())),
             C::CloseLesson => self.close_lesson(),
             C::CopyPage => self.copy_page(),
+            C::CopyLink => self.copy_link(),
             C::NextPage => self.turn(Direction::Forward),
             C::PreviousPage => self.turn(Direction::Back),
             C::Palette => self.dialogs.overlay = Overlay::Palette(palette::State::default()),

@@ -1,6 +1,7 @@
-//! The way of the keyboard through the window: Tab from widget to widget, F6 from pane to pane, and the ring around what has it.
+//! The way of the keyboard through the window: Tab from widget to widget, F6 from pane to pane (F8 in a page of a browser), and the ring
+//! around what has it.
 //!
-//! It takes Tab and F6 before egui does, sorts the widgets of the last frame by their panes and in a pane by rows, and draws
+//! It takes both before egui does, sorts the widgets of the last frame by their panes and in a pane by rows, and draws
 //! the one ring. No widget draws its own, and a test fails on a widget without a name.
 
 use eframe::egui::accesskit::{Action, ActionRequest, TreeId};
@@ -10,6 +11,7 @@ use eframe::egui::{
 
 use super::Region;
 use crate::paint::Theme;
+use crate::ui::commands::PANE_KEY;
 use crate::ui::drawing::style;
 
 /// Width of the ring, and of its rim towards what it lies on, in points.
@@ -43,7 +45,7 @@ struct Stop {
     is_cut: bool,
 }
 
-/// Moves the keyboard where Tab or F6 was pressed: to the next widget or pane, or with Shift to the one before. An open menu has the keys
+/// Moves the keyboard where Tab or the key of the panes was pressed: to the next widget or pane, or with Shift to the one before. An open menu has the keys
 /// to itself.
 pub(super) fn travel(ctx: &Context, regions: &[(Region, Rect)]) {
     let pressed = |key| {
@@ -55,7 +57,7 @@ pub(super) fn travel(ctx: &Context, regions: &[(Region, Rect)]) {
     if Popup::is_any_open(ctx) {
         return;
     }
-    let (is_back, by_pane) = match (pressed(Key::Tab), pressed(Key::F6)) {
+    let (is_back, by_pane) = match (pressed(Key::Tab), pressed(PANE_KEY)) {
         (Some(is_back), _) => (is_back, false),
         (None, Some(is_back)) => (is_back, true),
         (None, None) => return,

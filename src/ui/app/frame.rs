@@ -2,11 +2,13 @@
 
 use eframe::egui::{self, Align, CentralPanel, Frame, Label, Layout, Margin, Panel, RichText, TextStyle, Ui};
 use eframe::egui_wgpu::RenderState;
+use lucide_icons::Icon;
 
 use super::{App, Region, focus, keys};
 use crate::ui::commands::{Action, Actions};
 use crate::ui::drawing::style;
 use crate::ui::panes::{Panes, status, topbar, transport};
+use crate::ui::parts::widgets;
 
 /// The key under which is stored how the panes are looked at.
 pub(super) const STATES: &str = "panes";
@@ -25,16 +27,23 @@ impl App {
             self.panes.regions = regions;
             return;
         }
+        let type_pt = TextStyle::Body.resolve(ui.style()).size;
+        let rows = transport::rows(ui.ctx().content_rect().size(), type_pt);
+        let height = (rows * ui.spacing().interact_size.y * 1.65).round();
+        let transport = Panel::bottom("transport").frame(bar(12, 2)).exact_size(height + 4.0);
+        if self.presentation.is_embedded {
+            let transport = transport.show(ui, |ui| self.embedded_transport(ui, actions));
+            regions.push((Region::Transport, transport.response.rect));
+            CentralPanel::no_frame().show(ui, |ui| self.body(ui, gpu, actions, &mut regions));
+            self.panes.regions = regions;
+            return;
+        }
         let header = Panel::top("menus").frame(bar(12, top)).show(ui, |ui| self.top_bar(ui, actions));
         regions.push((Region::Header, header.response.rect));
         if !is_lecture {
             let status = Panel::bottom("status").frame(bar(16, 2)).show(ui, |ui| self.status(ui, actions));
             regions.push((Region::Status, status.response.rect));
         }
-        let type_pt = TextStyle::Body.resolve(ui.style()).size;
-        let rows = transport::rows(ui.ctx().content_rect().size(), type_pt);
-        let height = (rows * ui.spacing().interact_size.y * 1.65).round();
-        let transport = Panel::bottom("transport").frame(bar(12, 2)).exact_size(height + 4.0);
         let transport = transport.show(ui, |ui| self.transport(ui, actions));
         regions.push((Region::Transport, transport.response.rect));
         self.toasts.show_description(ui, bar(12, 6), self.settings.look.theme);
@@ -74,10 +83,26 @@ impl App {
             now: self.now(),
             granularities: self.run.granularities(),
             player: self.run.player,
-            has_hint: self.can_remember && !self.settings.practice.is_over(),
+            has_hint: self.can_remember && !self.presentation.is_embedded && !self.settings.practice.is_over(),
             theme: self.settings.look.theme,
         };
         transport::show(ui, &input, actions);
+    }
+
+    /// The transport in a frame of another page, with the way to the whole window at its end.
+    fn embedded_transport(&self, ui: &mut Ui, actions: &mut Actions) {
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let glyph = widgets::icon(ui, Icon::ExternalLink);
+            let whole = ui.add(egui::Button::new(glyph).frame_when_inactive(false));
+            whole.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Open in Motionscope"));
+            if whole
+                .on_hover_text("Open in Motionscope: this step with menus, parameters and explanation, in a new tab.")
+                .clicked()
+            {
+                actions.ask(Action::OpenWhole);
+            }
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| self.transport(ui, actions));
+        });
     }
 
     fn status(&self, ui: &mut Ui, actions: &mut Actions) {
@@ -199,6 +224,7 @@ impl eframe::App for App {
         let ctx = ui.ctx().clone();
         let mut actions = Actions::default();
         self.receive();
+        self.follow_address();
         self.follow_lesson();
         self.play(&ctx);
         self.measure(&ctx);
@@ -243,6 +269,10 @@ impl eframe::App for App {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        // A frame in another page shows the choices of its link, not those of the person.
+        if self.presentation.is_embedded {
+            return;
+        }
         self.note_place();
         // The settings of a page do not become those of the person.
         let look = self.settings.look;

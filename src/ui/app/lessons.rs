@@ -1,5 +1,6 @@
 //! Lessons in the window: opening, turning pages, and where the page stands.
 
+use std::ffi::OsString;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -8,6 +9,7 @@ use motionscope_core::run::{Cursor, Direction, Move};
 
 use super::dialogs::Overlay;
 use super::{App, Region};
+use crate::session::Session;
 use crate::session::lesson::{Address, page_text};
 use crate::ui::commands::{Actions, Command};
 use crate::ui::model::lesson::OpenLesson;
@@ -78,11 +80,21 @@ impl App {
     /// Opens a page of a lesson, with its clip and its step, so that there is a way back to the page that is open.
     pub(super) fn open_page(&mut self, address: Address) {
         let left = self.course.left_page(self.run.view.shown.as_deref()).filter(|left| left.address != address);
-        self.open_page_at(address, None, left);
+        self.open_page_with(address, left, |app| app.show_page(None));
     }
 
-    /// Opens a page at one of its steps, or where it begins; once it opens, `left` is on the way back.
-    fn open_page_at(&mut self, address: Address, at: Option<Cursor>, left: Option<Left>) {
+    /// Opens a page beside another `session` than its own, as a link `name` says.
+    pub(super) fn open_linked_page(&mut self, address: Address, session: Session, name: OsString) {
+        let is_open = self.course.lesson.as_ref().is_some_and(|open| *open.address() == address);
+        if is_open {
+            self.dialogs.start = None;
+            return self.show_on_page(session, name);
+        }
+        self.open_page_with(address, None, |app| app.show_on_page(session, name));
+    }
+
+    /// Opens a page and has its step shown; once it opens, `left` is on the way back.
+    fn open_page_with(&mut self, address: Address, left: Option<Left>, show: impl FnOnce(&mut Self)) {
         // What a page of the lesson before has set is not how the person looks at pictures.
         let look = self.course.lesson.as_ref().map_or(self.settings.look, |open| open.without_page(self.settings.look));
         let ctx = self.ctx.clone();
@@ -99,7 +111,7 @@ impl App {
                 self.dialogs.overlay = Overlay::None;
                 self.settings.fold_parameters();
                 self.course.lesson = Some(open);
-                self.show_page(at);
+                show(self);
             }
             Err(error) => {
                 if let Some(file) = &file
@@ -118,7 +130,7 @@ impl App {
     /// Returns to the page that was left last, at its step.
     pub(super) fn back_to_page(&mut self) {
         let Some(Left { address, cursor, .. }) = self.course.trail.back() else { return };
-        self.open_page_at(address, cursor, None);
+        self.open_page_with(address, None, |app| app.show_page(cursor));
     }
 
     /// Closes the lesson; pictures look as they did without its page.
@@ -247,13 +259,20 @@ impl App {
     fn show_page(&mut self, at: Option<Cursor>) {
         let Some(open) = &mut self.course.lesson else { return };
         let Ok(mut session) = open.page().session.clone() else { return };
-        self.panes.states.stage.forget_large();
+        session.position.cursor = at.or(session.position.cursor);
         let name = open.address().name();
+        self.show_on_page(session, name);
+    }
+
+    /// Shows a session beside the words of the page; its clip is opened as `name`.
+    fn show_on_page(&mut self, mut session: Session, name: OsString) {
+        let Some(open) = &mut self.course.lesson else { return };
+        self.panes.states.stage.forget_large();
         self.run.player.pause();
         self.run.predict.turn_for_page(open.page().predicts);
-        let cursor = at.or(session.position.cursor).unwrap_or_default();
+        let cursor = session.position.cursor.unwrap_or_default();
         session.position.cursor = Some(cursor);
-        open.lands_at(cursor);
+        open.lands_at(cursor, name.clone());
         let now = self.run.document.experiment();
         let is_of_clip = self.run.document.clip().is_some() && session.experiment.has_clip_of(now);
         if !is_of_clip {

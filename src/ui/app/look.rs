@@ -60,7 +60,7 @@ impl App {
 
     /// Looks at the pictures as a session says. A view or a part of them that was chosen for what was open before goes with that.
     pub(super) fn look_as(&mut self, look: &Changes, sight: Option<VisiblePart>) {
-        self.settings.look = look.over(Look { view: Some(self.run.own_view()), ..self.settings.look });
+        self.settings.look = look.over(Look { view: self.run.own_view(), ..self.settings.look });
         self.panes.states.stage.follow_again();
         if let Some(VisiblePart { center, zoom, .. }) = sight {
             self.panes.states.stage.zoom = Zoom::At { center, scale: zoom };

@@ -13,6 +13,7 @@ mod frame;
 mod given;
 mod keys;
 mod lessons;
+mod links;
 mod lockstep;
 mod look;
 mod opening;
@@ -42,6 +43,7 @@ use dialogs::Dialogs;
 use exports::Exports;
 use frame::STATES;
 use lessons::Course;
+use links::Links;
 use opening::Opening;
 use present::Presentation;
 use run::Run;
@@ -83,6 +85,7 @@ pub struct App {
     opening: Opening,
     exports: Exports,
     course: Course,
+    links: Links,
     panes: PaneMemory,
     dialogs: Dialogs,
     presentation: Presentation,
@@ -113,6 +116,7 @@ impl App {
             opening: Opening::default(),
             exports: Exports::default(),
             course: Course::default(),
+            links: Links::default(),
             panes: PaneMemory { states, ..PaneMemory::default() },
             dialogs: Dialogs::default(),
             presentation: Presentation::default(),

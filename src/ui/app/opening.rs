@@ -20,6 +20,7 @@ use crate::files;
 use crate::media::camera::is_unsaved;
 use crate::media::{Given, Open};
 use crate::session::lesson::Address;
+use crate::session::link::Link;
 use crate::session::{example, trust};
 use crate::ui::commands::Browse;
 use crate::ui::dialogs::open::State;
@@ -108,10 +109,14 @@ impl App {
         }
     }
 
-    /// Opens a file, a folder, a session or a `synth:` scene on another thread, ground truth for the open clip, or a lesson.
+    /// Opens a file, a folder, a session or a `synth:` scene on another thread, ground truth for the open clip, a lesson, or what
+    /// a link says.
     pub fn open(&mut self, name: impl Into<OsString>) {
         let name = name.into();
         self.opening.asked = None;
+        if Link::is_one(&name) {
+            return self.open_link(&name);
+        }
         match Address::parse(&name) {
             Some(address) => self.open_page(address),
             None => self.load(name),
@@ -159,7 +164,7 @@ impl App {
         let left = self.run.document.open(clip, source, Given::default());
         self.begin(left);
         if is_another {
-            self.settings.look.view = Some(self.run.own_view());
+            self.settings.look.view = self.run.own_view();
         }
         self.go_on(Place::OPENING);
     }
@@ -190,9 +195,10 @@ impl App {
 
     fn opened(&mut self, opened: Opened, path: &Path) {
         let Opened { clip, source, given, session, inputs, first_known } = opened;
+        let session = session.or_else(|| self.awaited_session(&source));
         self.note_place();
         // The clip of a page leads away from no page.
-        if self.course.lesson.as_ref().is_none_or(|open| open.address().name() != path.as_os_str()) {
+        if self.course.lesson.as_ref().is_none_or(|open| open.opened_as() != path.as_os_str()) {
             self.course.note_page(self.run.view.shown.as_deref());
         }
         self.dialogs.start = None;
@@ -220,7 +226,7 @@ impl App {
         self.keep_needed();
         self.begin(left.filter(|_| session.is_none()));
         if is_another {
-            self.settings.look.view = Some(self.run.own_view());
+            self.settings.look.view = self.run.own_view();
         }
         let Some(mut session) = session else {
             self.recording_opened(path);
@@ -235,7 +241,7 @@ impl App {
             return;
         };
         // A page is entered where it is turned to, not where its run was left.
-        if let Some(open) = self.course.lesson.as_ref().filter(|open| open.address().name() == path.as_os_str()) {
+        if let Some(open) = self.course.lesson.as_ref().filter(|open| open.opened_as() == path.as_os_str()) {
             session.position.cursor = Some(open.landing());
         }
         self.take(session);

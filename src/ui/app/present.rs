@@ -49,6 +49,8 @@ pub struct Presentation {
     pub has_loupe: bool,
     /// Whether stage, chart and caption are shown alone, in full screen.
     pub is_on: bool,
+    /// Whether stage, chart, sentence and transport are shown alone, in a frame of another page.
+    pub is_embedded: bool,
     /// Whether that screen is black.
     pub is_blank: bool,
     /// Whether the keys of that screen have been told.

@@ -18,6 +18,7 @@ use crate::ui::model::predict::Predict;
 use crate::ui::model::snapshot::{Hold, Job, Place, Snapshot, surface};
 use crate::ui::model::walker::{Marks, View, Walker};
 use crate::ui::panes::status;
+use crate::view::look::Look;
 
 /// The run that is open: what is run, the thread that works on it, what is shown of it, and how it is played and asked about.
 pub(super) struct Run {
@@ -71,8 +72,8 @@ impl Run {
     }
 
     /// The view with which a run begins: frame t for an estimator of single frames, both frames for one of pairs.
-    pub fn own_view(&self) -> paint::View {
-        if self.shows_frame_alone() { paint::View::Current } else { paint::View::default() }
+    pub fn own_view(&self) -> Option<paint::View> {
+        Look::opening(self.shows_frame_alone()).view
     }
 
     /// Notes that the next step may be asked about: that of the run, not that of a pixel that is pointed at.

@@ -129,6 +129,8 @@ pub enum Action {
     SeekCandidate([i32; 2]),
     /// Go to the unit at a pixel, or hold that pixel to explain it.
     SeekAt(Focus, Side),
+    /// Open the whole window at this step, in a new tab.
+    OpenWhole,
     /// Show the chart with this index of those of the step.
     Chart(usize),
     /// Add a line drawn by hand to its step.

@@ -17,7 +17,7 @@ use motionscope_core::run::Direction;
 
 pub use action::{Action, Actions, Browse, Owner, PenWish, Side};
 pub use granularities::Granularities;
-pub use keys::key_text;
+pub use keys::{PANE_KEY, is_of_browser, key_text};
 pub use menu::{Menu, Submenu};
 pub use order::{CLIP_FRAME, ClipFormat, Order, OutputKind};
 pub use situation::Situation;
@@ -44,6 +44,8 @@ pub struct Entry {
     pub tags: &'static str,
     /// The keys that call it, the one to show first.
     pub keys: &'static [KeyboardShortcut],
+    /// The keys that call it in a page of a browser, where the others are the browser's.
+    pub in_page: Option<&'static [KeyboardShortcut]>,
     /// Whether holding its key down repeats it.
     pub repeats: bool,
     /// The way in which it steps through the run.
@@ -70,6 +72,7 @@ impl Entry {
             tip: "",
             tags: "",
             keys: &[],
+            in_page: None,
             repeats: false,
             way: None,
             sets: None,
@@ -77,6 +80,17 @@ impl Entry {
             enabled: |_| true,
             why_not: |_| None,
         }
+    }
+
+    /// The keys that call it in a page of a browser.
+    pub fn keys_in_page(&self) -> &'static [KeyboardShortcut] {
+        self.in_page.unwrap_or(self.keys)
+    }
+
+    /// The entry with the keys of this edition of the program.
+    fn here(self) -> Self {
+        let keys = if cfg!(target_arch = "wasm32") { self.keys_in_page() } else { self.keys };
+        Self { keys, ..self }
     }
 }
 
@@ -164,6 +178,21 @@ mod tests {
         for (shortcut, command) in &all {
             assert_eq!(Command::of_key(shortcut.logical_key, shortcut.modifiers, false), Some(*command));
         }
+    }
+
+    #[test]
+    fn the_keys_of_a_page_are_not_those_of_the_browser() {
+        let keys =
+            |command: &Command| command.entry().keys_in_page().iter().map(|key| (*key, *command)).collect::<Vec<_>>();
+        let all: Vec<_> = Command::ALL.iter().flat_map(keys).collect();
+        for (index, (shortcut, command)) in all.iter().enumerate() {
+            assert!(!is_of_browser(*shortcut), "{command:?}: {}", key_text(*shortcut));
+            let twin = all[..index].iter().find(|(other, _)| other == shortcut);
+            assert!(twin.is_none(), "{command:?} and {twin:?}: {}", key_text(*shortcut));
+        }
+        let moved: Vec<_> = Command::ALL.iter().filter(|command| command.entry().in_page.is_some()).collect();
+        let is_needless = |command: &&&Command| !command.entry().keys.iter().any(|key| is_of_browser(*key));
+        assert_eq!(moved.iter().find(is_needless), None, "its own key is free in a page");
     }
 
     #[test]

@@ -28,6 +28,10 @@ const fn alt(key: Key) -> KeyboardShortcut {
     KeyboardShortcut::new(Modifiers::ALT, key)
 }
 
+const fn alt_shift(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::ALT.plus(Modifiers::SHIFT), key)
+}
+
 /// The tip of the command that opens files.
 const OPEN: &str = if IN_PAGE {
     "Open a video, an image sequence, a folder or a session. Nothing leaves this computer."
@@ -125,10 +129,11 @@ macro_rules! commands {
 
             /// Its entry in the table.
             pub fn entry(self) -> Entry {
-                match self {
+                let entry = match self {
                     $( Command::$name => const { $entry }, )+
                     Command::Layer(shown) => layer(shown),
-                }
+                };
+                entry.here()
             }
         }
     };
@@ -152,16 +157,19 @@ commands! {
     },
     StartPage: Entry {
         icon: Icon::House, text: "Start page", keys: &[ctrl(Key::H)],
+        in_page: Some(&[shift(Key::H)]),
         tip: "Show samples, estimators, lessons and what was open lately, or return to the window.",
         ..FILE
     },
     Samples: Entry {
         icon: Icon::LayoutGrid, text: "Samples…", keys: &[ctrl(Key::N)],
+        in_page: Some(&[shift(Key::S)]),
         tip: "Choose a bundled clip; each shows one effect, such as occlusion or the aperture problem.",
         tags: "example synthetic scene demo", ..FILE
     },
     Camera: Entry {
         icon: Icon::Camera, text: "Camera…", keys: &[ctrl(Key::R)],
+        in_page: Some(&[shift(Key::C)]),
         tip: "Record a clip from a camera, or watch an estimator run on its live picture.",
         ..FILE
     },
@@ -172,6 +180,7 @@ commands! {
     },
     Lessons: Entry {
         icon: Icon::BookOpen, text: "Lessons…", keys: &[ctrl(Key::L)],
+        in_page: Some(&[shift(Key::L)]),
         tip: "Choose a lesson of the course: pages of words and formulas beside the steps that they explain.",
         tags: "course chapter teach learn page", ..FILE
     },
@@ -185,6 +194,11 @@ commands! {
         tip: "Copy clip, estimator, parameters, current step and view as the header of a page, to be pasted into the Markdown file of a lesson.",
         enabled: |now| now.has_run, tags: "lesson markdown write", ..FILE
     },
+    CopyLink: Entry {
+        icon: Icon::Link, text: "Copy link", keys: &[shift(Key::K)],
+        tip: "Copy a link that opens this clip, estimator, step and view in a browser or in Motionscope.",
+        enabled: |now| now.has_run, tags: "share address url web browser moodle embed clipboard", ..FILE
+    },
     SaveSession: Entry {
         icon: Icon::Save, text: "Save session…", keys: &[ctrl(Key::S)], section: 1,
         tip: "Save clip, estimator, parameters, current step, view and ink as a small text file (*.motionscope).",
@@ -196,9 +210,10 @@ commands! {
         enabled: |now| now.has_run, ..FILE
     },
     Quit: Entry {
-        icon: Icon::LogOut, text: "Quit", keys: &[ctrl(Key::Q)], section: 3,
+        icon: Icon::LogOut, text: "Quit", keys: &[ctrl(Key::Q)],
+        in_page: Some(&[]), section: 3,
         tip: "Close Motionscope.",
-        ..FILE
+        enabled: |_| !cfg!(target_arch = "wasm32"), ..FILE
     },
     Estimators: Entry {
         icon: Icon::Grid3x3, text: "Estimators…", keys: &[key(Key::A)],
@@ -310,33 +325,39 @@ commands! {
         sets: Some(("arrow-scale", "4")), ..ARROWS
     },
     LargerInterface: Entry {
-        icon: Icon::AArrowUp, text: "Larger interface", keys: &[ctrl(Key::Plus), ctrl(Key::Equals)], repeats: true,
+        icon: Icon::AArrowUp, text: "Larger interface", keys: &[ctrl(Key::Plus), ctrl(Key::Equals)],
+        in_page: Some(&[]), repeats: true,
         tip: "Enlarge text, buttons and charts.",
         enabled: |now| now.can_be_larger, why_not: |_| Some("The interface is as large as fits into this window."),
         ..INTERFACE
     },
     SmallerInterface: Entry {
-        icon: Icon::AArrowDown, text: "Smaller interface", keys: &[ctrl(Key::Minus)], repeats: true,
+        icon: Icon::AArrowDown, text: "Smaller interface", keys: &[ctrl(Key::Minus)],
+        in_page: Some(&[]), repeats: true,
         tip: "Reduce text, buttons and charts.",
         ..INTERFACE
     },
     NormalInterface: Entry {
         icon: Icon::CaseSensitive, text: "Normal interface size", keys: &[ctrl(Key::Num0)],
+        in_page: Some(&[]),
         tip: "Use the scale of the operating system.",
         ..INTERFACE
     },
     ShowParameters: Entry {
         icon: Icon::PanelLeft, text: "Parameters", keys: &[ctrl(Key::Num1)],
+        in_page: Some(&[alt(Key::P)]),
         tip: "Show or hide the parameters.",
         is_on: Some(|now| now.shows_parameters), tags: "settings preferences options sliders values", ..PANES
     },
     ShowExplanation: Entry {
         icon: Icon::PanelRight, text: "Explanation", keys: &[ctrl(Key::Num3)],
+        in_page: Some(&[alt(Key::X)]),
         tip: "Show or hide the explanation of the step.",
         is_on: Some(|now| now.shows_explanation), ..PANES
     },
     ShowCharts: Entry {
         icon: Icon::PanelBottom, text: "Charts", keys: &[ctrl(Key::Num2)],
+        in_page: Some(&[alt(Key::C)]),
         tip: "Show or hide the charts: cost surface, pixels, matrices, plots.",
         is_on: Some(|now| now.shows_charts), ..PANES
     },
@@ -378,7 +399,8 @@ commands! {
         is_on: Some(|now| now.lecture), tags: "presentation projector beamer class", ..VIEW
     },
     FullScreen: Entry {
-        icon: Icon::Fullscreen, text: "Full screen", keys: &[key(Key::F), key(Key::F11)], section: 3,
+        icon: Icon::Fullscreen, text: "Full screen", keys: &[key(Key::F), key(Key::F11)],
+        in_page: Some(&[key(Key::F)]), section: 3,
         tip: "Switch full screen on or off.",
         tags: "presentation projector beamer class", ..VIEW
     },
@@ -391,6 +413,7 @@ commands! {
     },
     Present: Entry {
         icon: Icon::Presentation, text: "Present", keys: &[key(Key::F5)],
+        in_page: Some(&[shift(Key::P)]),
         tip: "Full screen for the class: stage, one chart (chosen by the keys 1 to 5), sentence and formula, and nothing else; a clicker steps through it.",
         ..PRESENT
     },
@@ -489,16 +512,19 @@ commands! {
     },
     NextPage: Entry {
         icon: Icon::ChevronRight, text: "Next page", keys: &[ctrl(Key::PageDown)],
+        in_page: Some(&[shift(Key::PageDown)]),
         tip: "Turn to the next page of the lesson. In a lesson → steps through the page and then turns it, and a presenter's clicker turns it.",
         enabled: |now| now.in_lesson && !now.at_last_page, tags: "lesson turn", ..WALK
     },
     PreviousPage: Entry {
         icon: Icon::ChevronLeft, text: "Previous page", keys: &[ctrl(Key::PageUp)],
+        in_page: Some(&[shift(Key::PageUp)]),
         tip: "Turn back to the previous page of the lesson.",
         enabled: |now| now.in_lesson && !now.at_first_page, tags: "lesson turn", ..WALK
     },
     BackToPage: Entry {
         icon: Icon::CornerUpLeft, text: "Back to the page before the link", keys: &[alt(Key::ArrowLeft)],
+        in_page: Some(&[key(Key::Backspace)]),
         tip: "Return to the page of a lesson, and to its step, from which a link or a search led away.",
         enabled: |now| now.has_trail, ..WALK
     },
@@ -513,12 +539,14 @@ commands! {
         ..BACK
     },
     NextAlike: Entry {
-        icon: Icon::SkipForward, text: "Next marked step of this kind", keys: &[ctrl(Key::J)], section: 6,
+        icon: Icon::SkipForward, text: "Next marked step of this kind", keys: &[ctrl(Key::J)],
+        in_page: Some(&[alt(Key::J)]), section: 6,
         tip: "Go to the next step with the same mark as this one, such as the next rejected extremum or the next octave.",
         enabled: Situation::can_go_on, ..FORWARD
     },
     PreviousAlike: Entry {
-        icon: Icon::SkipBack, text: "Previous marked step of this kind", keys: &[ctrl_shift(Key::J)], section: 6,
+        icon: Icon::SkipBack, text: "Previous marked step of this kind", keys: &[ctrl_shift(Key::J)],
+        in_page: Some(&[alt_shift(Key::J)]), section: 6,
         tip: "Go back to the last step before this one with the same mark.",
         ..BACK
     },

@@ -4,7 +4,7 @@ use eframe::egui::style::ScrollStyle;
 use eframe::egui::{self, Grid, Label, RichText, ScrollArea, TextStyle, Ui, vec2};
 
 use crate::paint::Theme;
-use crate::ui::commands::{Command, Granularities, Menu, key_text};
+use crate::ui::commands::{Command, Granularities, Menu, PANE_KEY, key_text};
 use crate::ui::drawing::style;
 use crate::ui::parts::widgets;
 
@@ -30,7 +30,9 @@ pub fn shortcuts(ctx: &egui::Context, granularities: &Granularities, theme: Them
             });
         });
         ui.add_space(8.0);
-        let ways = "Tab goes to the next control, F6 to the next pane, with Shift back. Esc closes this page.";
+        let pane = PANE_KEY.name();
+        let ways =
+            format!("Tab goes to the next control, {pane} to the next pane, with Shift back. Esc closes this page.");
         ui.label(RichText::new(ways).small().weak());
         is_closed
     });

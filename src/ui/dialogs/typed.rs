@@ -5,13 +5,14 @@ use std::path::Path;
 
 use crate::experiment::source::Source;
 use crate::files;
+use crate::session::link::{Link, decoded_bytes};
 
-/// A path as typed or pasted: quotes, a leading `~` and `file://` are understood.
+/// A path or a link as typed or pasted: quotes, a leading `~` and `file://` are understood.
 ///
 /// Of several lines the first that leads somewhere counts, or else the first.
 pub fn parse(text: &str) -> Option<OsString> {
-    // What file managers copy may begin with remarks.
-    let lines = text.lines().map(str::trim).filter(|line| !line.starts_with('#'));
+    // File managers copy remarks too, which are no links.
+    let lines = text.lines().map(str::trim).filter(|line| *line != "#" && !line.starts_with("# "));
     let mut paths = lines.filter_map(line).peekable();
     let first = paths.next()?;
     if paths.peek().is_none() || leads_somewhere(&first) {
@@ -20,9 +21,10 @@ pub fn parse(text: &str) -> Option<OsString> {
     Some(paths.find(leads_somewhere).unwrap_or(first))
 }
 
-/// Whether a path names a scene, a pair of pictures, or a file that is there.
+/// Whether a path is a link, or names a scene, a pair of pictures, or a file that is there.
 pub fn leads_somewhere(path: &OsString) -> bool {
-    matches!(Source::typed(path), Ok(Source::Synth { .. } | Source::Pair(_))) || files::exists(Path::new(path))
+    let is_clip = || matches!(Source::typed(path), Ok(Source::Synth { .. } | Source::Pair(_)));
+    Link::is_one(path) || is_clip() || files::exists(Path::new(path))
 }
 
 fn line(text: &str) -> Option<OsString> {
@@ -44,13 +46,7 @@ fn line(text: &str) -> Option<OsString> {
 
 /// A path with its `%20`s put back into bytes, as URLs have them.
 fn decoded(text: &str) -> OsString {
-    let (mut bytes, mut rest) = (Vec::new(), text.as_bytes());
-    while let [byte, tail @ ..] = rest {
-        let hex = tail.get(..2).filter(|_| *byte == b'%').and_then(|hex| std::str::from_utf8(hex).ok());
-        let code = hex.filter(|hex| !hex.starts_with('+')).and_then(|hex| u8::from_str_radix(hex, 16).ok());
-        bytes.push(code.unwrap_or(*byte));
-        rest = if code.is_some() { &tail[2..] } else { tail };
-    }
+    let bytes = decoded_bytes(text);
     #[cfg(unix)]
     return std::os::unix::ffi::OsStringExt::from_vec(bytes);
     #[cfg(not(unix))]
@@ -92,5 +88,7 @@ mod tests {
         assert_eq!(parse(&format!("# copied\r\n/no/such/a.mp4\r\n{there}\r\n")), Some(file.clone().into()));
         assert_eq!(parse("/no/a.mp4\n/no/b.mp4"), Some("/no/a.mp4".into()));
         assert_eq!(parse("look at\nsynth:pillar"), Some("synth:pillar".into()));
+        assert_eq!(parse("look at\nhttps://a.org/#lesson:x"), Some("https://a.org/#lesson:x".into()));
+        assert_eq!(parse("#lesson:kalman-filter/3"), Some("#lesson:kalman-filter/3".into()));
     }
 }

@@ -1,5 +1,7 @@
 //! The lesson that is open, and the page of it.
 
+use std::ffi::{OsStr, OsString};
+
 use motionscope_core::base::Error;
 use motionscope_core::run::{Cursor, Direction};
 
@@ -19,6 +21,8 @@ pub struct OpenLesson {
     watch: Option<Watch>,
     /// How pictures looked before the first page.
     look: Look,
+    /// The name under which the clip of the page is opened.
+    opened_as: OsString,
     /// Where the run is to stand on the page, and whether it does.
     landing: Cursor,
     has_arrived: bool,
@@ -46,6 +50,7 @@ impl OpenLesson {
             address,
             watch,
             look,
+            opened_as: OsString::new(),
             landing: Cursor::default(),
             has_arrived: false,
             is_over: false,
@@ -95,15 +100,20 @@ impl OpenLesson {
         };
     }
 
-    /// Says where the run is to stand on the page that was turned to.
-    pub fn lands_at(&mut self, cursor: Cursor) {
+    /// Says where the run is to stand on the page that was turned to, and under which name its clip is opened.
+    pub fn lands_at(&mut self, cursor: Cursor, name: OsString) {
         self.is_over = false;
-        (self.landing, self.has_arrived) = (cursor, false);
+        (self.landing, self.has_arrived, self.opened_as) = (cursor, false, name);
     }
 
     /// Where the run is to stand on the page.
     pub fn landing(&self) -> Cursor {
         self.landing
+    }
+
+    /// The name under which the clip of the page is opened.
+    pub fn opened_as(&self) -> &OsStr {
+        &self.opened_as
     }
 
     /// Notes that the run stands there.

@@ -66,7 +66,7 @@ impl Loading {
         let Beside { source, given } = beside;
         let given = Given { right: Some(RightView::of(Path::new(&path))), ..given };
         let work = Background::new("open the clip", changed, async move |control| {
-            opened(Named { source, given, session: None }, None, Arc::clone(control) as Arc<dyn Progress>)
+            opened(Named::clip(source, given), None, Arc::clone(control) as Arc<dyn Progress>)
         });
         Self { name: path, description: None, work }
     }
@@ -76,10 +76,10 @@ fn open(name: &OsStr, beside: Option<Beside>, progress: Arc<dyn Progress>) -> Re
     let path = Path::new(name);
     let named = match beside {
         Some(Beside { source, given }) if media::is_truth(path) => {
-            Named { source, given: Given { truth: Some(name.into()), ..given }, session: None }
+            Named::clip(source, Given { truth: Some(name.into()), ..given })
         }
         Some(Beside { source, given }) if has_frames(&source) && media::is_detections(path) => {
-            Named { source, given: Given { detections: Some(name.into()), ..given }, session: None }
+            Named::clip(source, Given { detections: Some(name.into()), ..given })
         }
         _ => Named::find(name, Given::default())?,
     };
@@ -98,7 +98,7 @@ fn has_frames(source: &Source) -> bool {
 
 /// Opens a clip that is `named`, in the file `written` if it is a session.
 fn opened(named: Named, written: Option<&Path>, progress: Arc<dyn Progress>) -> Result<Opened, Error> {
-    let Named { source, given, session } = named;
+    let Named { source, given, session, .. } = named;
     let control = Arc::clone(&progress);
     let options = Open { progress: Some(progress), ..Open::from(given.clone()) };
     let OpenedClip { clip, mut inputs } = source.open(&options)?;

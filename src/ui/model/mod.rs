@@ -1,5 +1,6 @@
 //! The model of the window: the document, the run on its thread, opening and saving.
 
+pub mod address;
 pub mod background;
 pub mod chosen_charts;
 pub mod comparing;

@@ -103,6 +103,8 @@ pub struct Settings {
     pub practice: Practice,
     /// What was chosen for the camera.
     pub camera: CameraChoices,
+    /// The address that copied links lead to, if it is not the published page.
+    pub link_base: Option<String>,
     /// How fast to play.
     pub speed: usize,
     /// How the person has shared out the room.
@@ -132,6 +134,7 @@ impl Default for Settings {
             has_start_page: true,
             practice: Practice::default(),
             camera: CameraChoices::default(),
+            link_base: None,
             speed: Player::default().speed,
             shares: Shares::default(),
             charts: ChosenCharts::default(),
@@ -171,6 +174,8 @@ impl Settings {
     /// What is folded away in the window as it is.
     pub fn folded(&self) -> Folded {
         match self.mode {
+            // A frame in another page has no menus to bring something back with.
+            Some(Mode::Embedded) => LECTURE,
             Some(mode) if mode.is_lecture() => self.folded_lecture,
             _ if self.is_narrow => self.folded_narrow,
             _ => self.folded,

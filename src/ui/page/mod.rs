@@ -1,7 +1,9 @@
 //! The window in a page of a browser.
 
+mod address;
 mod announcer;
 mod failure;
+mod keys;
 
 use eframe::egui::{Ui, Visuals};
 use wasm_bindgen::JsCast as _;
@@ -9,6 +11,7 @@ use web_sys::HtmlCanvasElement;
 
 use super::{Start, app, begin};
 use crate::files;
+use address::LocationBar;
 use announcer::Announcer;
 
 /// The id of the canvas on which the page has the window drawn.
@@ -16,20 +19,23 @@ const CANVAS: &str = "motionscope";
 
 /// Has the window drawn on the canvas of the page, for as long as the page is open.
 pub fn run_in_page() {
-    let document = web_sys::window().and_then(|window| window.document());
-    let canvas = document.and_then(|document| document.get_element_by_id(CANVAS));
+    let Some(window) = web_sys::window() else { return };
+    let canvas = window.document().and_then(|document| document.get_element_by_id(CANVAS));
     let Some(canvas) = canvas.and_then(|canvas| canvas.dyn_into::<HtmlCanvasElement>().ok()) else { return };
     failure::install(canvas.clone());
-    wasm_bindgen_futures::spawn_local(run_on(canvas));
+    keys::take(&window);
+    wasm_bindgen_futures::spawn_local(run_on(canvas, LocationBar::new(window)));
 }
 
-async fn run_on(canvas: HtmlCanvasElement) {
+async fn run_on(canvas: HtmlCanvasElement, bar: LocationBar) {
     let announcer = Announcer::new(canvas.clone());
-    let create = |cc: &eframe::CreationContext<'_>| {
+    let create = move |cc: &eframe::CreationContext<'_>| {
         let mut app = app::App::new(&cc.egui_ctx, cc.storage)?;
         let ctx = cc.egui_ctx.clone();
         files::page::listen(move || ctx.request_repaint()).map_err(|_| "the page takes no files")?;
-        begin(&mut app, Start::default());
+        let start = Start { open: bar.link() };
+        app.follow_in(Box::new(bar));
+        begin(&mut app, start);
         Ok(Box::new(Page { app, announcer }) as Box<dyn eframe::App>)
     };
     let options = eframe::WebOptions::default();
