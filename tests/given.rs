@@ -64,18 +64,21 @@ impl Page {
 fn clip(name: &str) -> (Vec<(String, Vec<u8>)>, Vec<u8>) {
     let mut difficulty = synth::SCENES[0].difficulty();
     (difficulty.frames, difficulty.width, difficulty.height) = (3, 96, 64);
-    let clip = synth::SCENES[0].clip(&difficulty).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    export::clip(&clip, folder.path(), None).unwrap();
+    let clip = synth::SCENES[0].clip(&difficulty).expect("a clip in a folder");
+    let folder = tempfile::tempdir().expect("a clip in a folder");
+    export::clip(&clip, folder.path(), None).expect("a clip in a folder");
     let mut files = Vec::new();
     for path in [folder.path().to_owned(), folder.path().join("flow")].iter().flat_map(|folder| files::entries(folder))
     {
         if path.is_file() {
-            let inner = path.strip_prefix(folder.path()).unwrap().to_str().unwrap();
-            files.push((format!("{name}/{inner}"), files::read(&path).unwrap()));
+            let inner =
+                path.strip_prefix(folder.path()).expect("a clip in a folder").to_str().expect("a clip in a folder");
+            files.push((format!("{name}/{inner}"), files::read(&path).expect("a clip in a folder")));
         }
     }
-    let frames = (0..3).flat_map(|t| [b"FRAME\n".to_vec(), clip.frame(t).unwrap().luma().cells().to_vec()].concat());
+    let frames = (0..3).flat_map(|t| {
+        [b"FRAME\n".to_vec(), clip.frame(t).expect("a clip in a folder").luma().cells().to_vec()].concat()
+    });
     let video = b"YUV4MPEG2 W96 H64 F25:1 Cmono\n".iter().copied().chain(frames).collect();
     (files, video)
 }

@@ -347,12 +347,12 @@ proptest! {
 
 /// All files below `folder`, as they are given to a page.
 fn given_files(folder: &Path, around: &str) -> Vec<GivenFile> {
-    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let entries = fs::read_dir(folder).expect("a file").map(|entry| entry.expect("a file").path());
     let files = entries.flat_map(|path| {
-        let name = format!("{around}{}", path.file_name().unwrap().to_str().unwrap());
+        let name = format!("{around}{}", path.file_name().expect("a file").to_str().expect("a file"));
         match path.is_dir() {
             true => given_files(&path, &format!("{name}/")),
-            false => vec![GivenFile { name, bytes: fs::read(&path).unwrap().into() }],
+            false => vec![GivenFile { name, bytes: fs::read(&path).expect("a file").into() }],
         }
     });
     files.collect()

@@ -252,6 +252,7 @@ mod tests {
             assert_eq!(words(tree.remove_folder(&at(name))), words(fs::remove_dir(at(name))), "remove folder {name}");
         }
         assert_eq!(words(tree.names(root.path())), words(sorted(root.path().into())));
+        tree.remove_all(root.path());
         assert_eq!((tree.bytes, tree.room()), (0, 99));
     }
 

@@ -99,10 +99,10 @@ pub async fn steps(
     let written = steps.write(&shown.subject, medium, Some(progress), None).await?;
     Ok(match medium {
         Medium::Pictures(..) => {
-            format!("Saved {} into {}{}.", written.pictures(), files::label(&path), written.without())
+            format!("Saved {} into {}{}.", written.pictures(), files::label(path), written.without())
         }
         Medium::Animation(..) => {
-            format!("Saved {} as {}{}.", written.pictures(), files::label(&path), written.without())
+            format!("Saved {} as {}{}.", written.pictures(), files::label(path), written.without())
         }
     })
 }
@@ -126,7 +126,7 @@ pub fn clip(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> Result<
         OutputKind::Clip(ClipFormat::Video) => padded(clip.size()),
         _ => String::new(),
     };
-    Ok(format!("Saved {}.{padded}", files::label(&path)))
+    Ok(format!("Saved {}.{padded}", files::label(path)))
 }
 
 /// Says that a video has sides of another length than its clip, if it has.
