@@ -14,6 +14,7 @@ use super::App;
 use super::dialogs::Overlay;
 use crate::experiment::Prepared;
 use crate::experiment::source::Source;
+use crate::files;
 use crate::media::camera::{Cameras, Closing, Ffmpeg, Kept, is_unsaved};
 use crate::paint::Freehand;
 use crate::ui::commands::{ClipFormat, Command};
@@ -209,7 +210,7 @@ impl App {
             self.run.view.shown.as_deref().filter(|_| is_lossless && is_open && self.opening.loading.is_none())
         {
             self.recorder.ink = Some((path.clone(), self.presentation.pen.freehand(&shown.subject)));
-            let clip = std::path::absolute(&path).unwrap_or_else(|_| path.clone());
+            let clip = files::absolute(&path);
             let (frame, step) = (shown.subject.experiment.frame, shown.cursor.to_string());
             let run = LeftAt::run_of(&*shown.subject.experiment.estimator);
             self.settings.leave(LeftAt { clip: clip.display().to_string(), run, frame, step });
