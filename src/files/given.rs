@@ -39,7 +39,7 @@ pub fn arrivals() -> Vec<Arrival> {
     std::mem::take(&mut ARRIVALS.lock().unwrap_or_else(PoisonError::into_inner))
 }
 
-/// Refuses files of so many bytes if they are more than there is room for.
+/// Refuses files of `bytes` bytes together if there is no room for them.
 ///
 /// # Errors
 /// One sentence with what fits.

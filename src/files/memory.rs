@@ -220,7 +220,7 @@ mod tests {
 
     use super::*;
 
-    /// What happened, in words that are the same for a tree and a disk.
+    /// The outcome in words that are the same for a tree and a disk.
     fn words<T: std::fmt::Debug>(outcome: io::Result<T>) -> String {
         outcome.map_or_else(|error| error.kind().to_string(), |value| format!("{value:?}"))
     }

@@ -241,7 +241,7 @@ impl Settings {
 
     /// Puts a clip at the front of those that were open lately, unless its name is no Unicode: what is remembered is text.
     pub fn remember(&mut self, path: &Path) {
-        // Nobody can open again what was given to a page.
+        // A file given to a page cannot be opened again later.
         if path.to_str().is_none() || files::is_in_memory(path) {
             return;
         }
