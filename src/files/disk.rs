@@ -97,9 +97,12 @@ fn default_permissions() -> Option<Permissions> {
     None
 }
 
-/// Whether no file can take the place of `target`: standard output or a device.
+/// The path that stands for standard output.
+pub(super) const STANDARD_OUTPUT: &str = "-";
+
+/// Whether `target` cannot be replaced by a file: standard output or a device.
 fn is_stream(target: &Path) -> bool {
-    target == Path::new("-") || (target.exists() && !target.is_file())
+    target == Path::new(STANDARD_OUTPUT) || (target.exists() && !target.is_file())
 }
 
 /// Where a file is made that is to take the place of `target`.
@@ -122,7 +125,7 @@ pub(super) fn settle(file: &Path, target: &Path) -> io::Result<()> {
 /// Writes the bytes of a file to what no file can take the place of.
 fn stream(file: &Path, to: &Path) -> io::Result<()> {
     let mut file = File::open(file)?;
-    let copied = match to == Path::new("-") {
+    let copied = match to == Path::new(STANDARD_OUTPUT) {
         true => io::copy(&mut file, &mut io::stdout().lock()),
         false => OpenOptions::new().write(true).open(to).and_then(|mut to| io::copy(&mut file, &mut to)),
     };

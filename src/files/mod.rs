@@ -311,7 +311,10 @@ impl Unfinished {
     /// If no temporary folder can be made beside it.
     pub fn new(target: &Path) -> io::Result<Self> {
         // A link keeps pointing where it points.
-        let target = canonicalize(target).unwrap_or_else(|_| target.to_owned());
+        let target = match target == Path::new(disk::STANDARD_OUTPUT) {
+            true => target.to_owned(),
+            false => canonicalize(target).unwrap_or_else(|_| target.to_owned()),
+        };
         let folder = temporary::folder(&disk::place_beside(&target))?;
         let file = folder.path().join("unfinished");
         Ok(Self { _folder: folder, file, target })

@@ -276,16 +276,16 @@ const LEAST_PARAMETERS: f32 = 16.0;
 const TWO_CHARTS: f32 = 1600.0;
 /// The least window that everything has room in, in letters across and lines down: a smaller one has smaller type.
 const LEAST_LETTERS: Vec2 = vec2(56.0, 30.0);
-/// The same of a window that is held upright, in which bars have fewer buttons and the timeline a row of its own.
+/// The same without header.
+const LEAST_EMBEDDED: Vec2 = vec2(45.5, 28.0);
+/// The same without header and transport.
+const LEAST_PRESENTED: Vec2 = vec2(45.5, 25.5);
+/// The least window that is held upright: its bars have fewer buttons and the timeline a row of its own.
 const LEAST_UPRIGHT: Vec2 = vec2(25.0, 44.0);
 /// Letters across below which a window that is higher than wide is arranged as upright.
 const UPRIGHT_LETTERS: f32 = 36.0;
 /// Most of the body that the page of a lesson has above the pictures of an upright window.
 const UPRIGHT_PAGE: f32 = 0.34;
-/// The same without header.
-const LEAST_EMBEDDED: Vec2 = vec2(45.5, 28.0);
-/// The same without header and transport.
-const LEAST_PRESENTED: Vec2 = vec2(45.5, 25.5);
 /// Least height in which a chart can be read, and least width, in letters.
 const CHART_LETTERS: [f32; 2] = [12.0, 15.0];
 /// Least height of the page of a lesson in a column, in letters, and the most of the column: before it was read, and after.

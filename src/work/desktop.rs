@@ -8,7 +8,7 @@ use std::task::{Context, Poll, Wake};
 use std::thread::{self, JoinHandle, Thread};
 use std::time::{Duration, Instant};
 
-/// How long a task works before it tells how far it is.
+/// How long a task works before it reports its progress.
 pub const SLICE: Duration = Duration::from_millis(30);
 
 /// A task at work; it goes on when this is dropped.

@@ -29,7 +29,7 @@ impl Task {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// Nothing is waited for: the task would wait for the page in turn.
+    /// Does not wait: the task cannot go on before this returns.
     pub fn wait(&self, _: Duration) {}
 }
 
@@ -62,15 +62,21 @@ pub fn in_order<J, T, E>(
 
 /// Lets the page draw and take input if the slice is over.
 pub async fn breathe() {
-    if BEGUN.get().is_none_or(|begun| begun.elapsed() >= SLICE) {
+    if is_slice_over() {
         next_slice().await;
     }
+}
+
+/// Whether the time of all tasks is used up.
+fn is_slice_over() -> bool {
+    BEGUN.get().is_none_or(|begun| begun.elapsed() >= SLICE)
 }
 
 /// Waits, while others work.
 pub async fn sleep(time: Duration) {
     let millis = i32::try_from(time.as_millis()).unwrap_or(i32::MAX);
-    wait(|waker| set_timeout(&Closure::once_into_js(move || waker.wake()), millis)).await;
+    wait(|over| set_timeout(&Closure::once_into_js(over), millis)).await;
+    begin_slice();
 }
 
 /// Notes that a task goes on after a wait.
@@ -78,23 +84,31 @@ pub(super) fn begin_slice() {
     BEGUN.set(Some(Instant::now()));
 }
 
-/// Ends the slice, and waits for the next one.
+/// Ends the slice, and waits for one in which other tasks have left some time.
 async fn next_slice() {
-    wait(|waker| TURNS.with(|turns| turns.wait(waker))).await;
+    loop {
+        wait(|over| TURNS.with(|turns| turns.wait(over))).await;
+        if !is_slice_over() {
+            return;
+        }
+    }
 }
 
-/// Waits for what `begin` begins.
-async fn wait(begin: impl FnOnce(Waker)) {
-    let mut begin = Some(begin);
-    poll_fn(|context| match begin.take() {
-        Some(begin) => {
-            begin(context.waker().clone());
-            Poll::Pending
+/// Waits until the callback is called that `begin` is given. Another signal that wakes the task meanwhile ends no wait.
+async fn wait(begin: impl FnOnce(Box<dyn FnOnce()>)) {
+    let (is_over, waker) = (Rc::<Cell<bool>>::default(), Rc::<Cell<Option<Waker>>>::default());
+    let (ends, wakes) = (Rc::clone(&is_over), Rc::clone(&waker));
+    begin(Box::new(move || {
+        ends.set(true);
+        if let Some(waker) = wakes.take() {
+            waker.wake();
         }
-        None => Poll::Ready(()),
+    }));
+    poll_fn(|context| {
+        waker.set(Some(context.waker().clone()));
+        if is_over.get() { Poll::Ready(()) } else { Poll::Pending }
     })
     .await;
-    begin_slice();
 }
 
 #[wasm_bindgen]
@@ -110,24 +124,27 @@ thread_local! {
 /// Messages of the page to itself: each comes after what the browser has to do, without the least time that timers have.
 struct Turns {
     channel: web_sys::MessageChannel,
-    waiting: Rc<Cell<Vec<Waker>>>,
+    waiting: Rc<Cell<Vec<Box<dyn FnOnce()>>>>,
     _received: Closure<dyn FnMut()>,
 }
 
 impl Turns {
     fn new() -> Self {
         let channel = web_sys::MessageChannel::new().expect("every browser that draws the window has channels");
-        let waiting = Rc::<Cell<Vec<Waker>>>::default();
+        let waiting = Rc::<Cell<Vec<Box<dyn FnOnce()>>>>::default();
         let theirs = Rc::clone(&waiting);
-        let received = Closure::<dyn FnMut()>::new(move || theirs.take().into_iter().for_each(Waker::wake));
+        let received = Closure::<dyn FnMut()>::new(move || {
+            begin_slice();
+            theirs.take().into_iter().for_each(|over| over());
+        });
         channel.port1().set_onmessage(Some(received.as_ref().unchecked_ref()));
         Self { channel, waiting, _received: received }
     }
 
-    fn wait(&self, waker: Waker) {
+    fn wait(&self, over: Box<dyn FnOnce()>) {
         let mut waiting = self.waiting.take();
         let is_first = waiting.is_empty();
-        waiting.push(waker);
+        waiting.push(over);
         self.waiting.set(waiting);
         if is_first {
             // A channel that is kept does not fail.

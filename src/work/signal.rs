@@ -28,6 +28,9 @@ impl Signal {
             *self.waker() = Some(context.waker().clone());
             let found = look();
             has_waited |= found.is_none();
+            if found.is_some() {
+                *self.waker() = None;
+            }
             found.map_or(Poll::Pending, Poll::Ready)
         })
         .await;

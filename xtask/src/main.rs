@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::{Result, bail};
+use anyhow::{Context as _, Result, bail};
 use xtask::{Server, page};
 
 const USAGE: &str = "usage: cargo xtask web [--out FOLDER] [--profile PROFILE]
@@ -42,9 +42,9 @@ fn web(mut args: impl Iterator<Item = String>) -> Result<()> {
 fn serve(mut args: impl Iterator<Item = String>) -> Result<()> {
     let (mut folder, mut port) = (xtask::default_folder(), 8080);
     while let Some(arg) = args.next() {
-        match (arg.as_str(), args.next()) {
-            ("--port", Some(number)) => port = number.parse()?,
-            (name, None) if !name.starts_with('-') => folder = PathBuf::from(name),
+        match arg.as_str() {
+            "--port" => port = args.next().context(USAGE)?.parse()?,
+            name if !name.starts_with('-') => folder = PathBuf::from(name),
             _ => bail!("{USAGE}"),
         }
     }

@@ -30,6 +30,7 @@ use super::lesson::Address;
 use crate::experiment::Experiment;
 use crate::experiment::first;
 use crate::experiment::source::Source;
+use crate::files;
 use crate::view::look::{Changes, Look};
 use base::{Base, file_name, portable};
 use keys::{Fault, Keys};
@@ -42,6 +43,8 @@ pub const PUBLISHED: &str = "https://motionscope.github.io/motionscope/";
 
 /// The most bytes of a link.
 const MOST_BYTES: usize = 8000;
+/// Faults of a link that are left out one by one.
+const MOST_FAULTS: usize = 8;
 /// The key of the parts of the window that are shown.
 const PARTS: &str = "view";
 /// The keys that come first, in this order; the others follow by name.
@@ -94,7 +97,7 @@ impl Link {
     pub fn is_one(name: &OsStr) -> bool {
         let text = name.to_string_lossy();
         let is_link = text.split_once('#').is_some_and(|(address, _)| address.is_empty() || address.contains("://"));
-        is_link && !Path::new(name).exists()
+        is_link && !files::exists(Path::new(name))
     }
 
     /// Reads a link, or the part of one behind its `#`, and says what is wrong with it, in a sentence each; the rest is opened.
@@ -217,6 +220,11 @@ fn session(base: &Base, own: Keys, faults: &mut Vec<Error>) -> Option<Session> {
         keys.entry("clip".into()).or_insert_with(|| format!("synth:{}", first::SAMPLE));
         match keys::session(&keys) {
             Ok(session) => break session,
+            Err(_) if faults.len() >= MOST_FAULTS => {
+                faults
+                    .push(Error::new("there is more wrong with it than can be left out; nothing else of it is opened"));
+                return base.session.clone();
+            }
             Err(Fault { key, why }) => {
                 faults.push(why);
                 let Some(key) = key.filter(|key| keys.remove(key).is_some()) else { return base.session.clone() };

@@ -57,9 +57,11 @@ impl App {
 
     /// Takes `files` and returns the path to open: one of them, or the session that had waited for them.
     fn taken(&mut self, files: Vec<GivenFile>) -> Result<OsString, Error> {
-        let waiting = self.opening.incomplete.take().filter(|waiting| waiting.is_helped_by(&files));
-        if let Some((session, folder)) = waiting.and_then(|one| Some((given::folder_of(&one.session)?, one.session))) {
-            return given::add(files, &session).map(|()| folder.into());
+        if let Some(waiting) = self.opening.incomplete.as_ref().filter(|waiting| waiting.is_helped_by(&files))
+            && let Some(folder) = given::folder_of(&waiting.session)
+        {
+            given::add(files, &folder)?;
+            return Ok(self.opening.incomplete.take().map_or_else(|| folder.into(), |waiting| waiting.session.into()));
         }
         let folder = given::take(files)?;
         Ok(clip_in(&folder).unwrap_or_else(|| folder.into()))

@@ -13,7 +13,10 @@ use crate::session::link::{self, Link, Parts};
 use crate::ui::commands::Command;
 use crate::ui::model::address::{AddressBar, Entry, History};
 
-/// The link that was opened, and the address of the page.
+/// Faults of a link that are shown one by one.
+const MOST_FAULTS: usize = 3;
+
+/// What of a link is not done yet, and the address of the page.
 #[derive(Default)]
 pub(super) struct Links {
     /// A session whose clip has to be given again.
@@ -50,8 +53,12 @@ impl App {
             self.opening.error = faults.into_iter().next();
             return;
         };
-        for why in faults {
+        let more = faults.len().saturating_sub(MOST_FAULTS);
+        for why in faults.into_iter().take(MOST_FAULTS) {
             self.toasts.fail(format!("The link is opened without this: {why}."));
+        }
+        if more > 0 {
+            self.toasts.fail(format!("{more} more parts of the link are left out."));
         }
         match page.filter(|_| parts != Parts::Embedded) {
             _ if link::own_files(&session.experiment.source).is_some() => self.await_clip(session),
@@ -176,13 +183,15 @@ impl App {
         let fragment = if fragment.is_empty() { fragment } else { parts.added_to(fragment) };
         if let Some(entry) = history.note(place, &fragment, now) {
             // The pages around a frame have their own way back.
-            address.write(&fragment, if is_embedded { Entry::Same } else { entry });
+            if !address.write(&fragment, if is_embedded { Entry::Same } else { entry }) {
+                history.stays_at(address.fragment());
+            }
         }
     }
 
     /// A text that is the same at all steps of the run that is open, and the link of the step; `None` while something is being opened.
     fn shown_place(&self) -> Option<(String, String)> {
-        let is_coming = self.opening.loading.is_some() || self.run.view.busy || self.links.awaited.is_some();
+        let is_coming = self.opening.loading.is_some() || self.run.view.busy;
         if is_coming || self.opening.error.is_some() {
             return None;
         }

@@ -255,6 +255,9 @@ impl App {
             return;
         }
         self.wait_for_files(path);
+        if self.opening.incomplete.is_none() {
+            self.keep_needed();
+        }
         match &mut self.dialogs.overlay {
             // Where it was asked for, it can be asked for again.
             Overlay::Open(state) if state.is_opening() => state.refuse(&error),

@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::path::Path;
 
 use crate::experiment::source::Source;
-use crate::files;
+use crate::files::{self, IN_PAGE};
 use crate::session::link::{Link, decoded_bytes};
 
 /// A path or a link as typed or pasted: quotes, a leading `~` and `file://` are understood.
@@ -24,7 +24,9 @@ pub fn parse(text: &str) -> Option<OsString> {
 /// Whether a path is a link, or names a scene, a pair of pictures, or a file that is there.
 pub fn leads_somewhere(path: &OsString) -> bool {
     let is_clip = || matches!(Source::typed(path), Ok(Source::Synth { .. } | Source::Pair(_)));
-    Link::is_one(path) || is_clip() || files::exists(Path::new(path))
+    // The folders of a page are its own.
+    let is_there = || if IN_PAGE { files::is_file(Path::new(path)) } else { files::exists(Path::new(path)) };
+    Link::is_one(path) || is_clip() || is_there()
 }
 
 fn line(text: &str) -> Option<OsString> {

@@ -15,8 +15,8 @@ pub trait AddressBar {
     fn base(&self) -> String;
     /// The part behind the `#`; empty if there is none.
     fn fragment(&self) -> String;
-    /// Writes the part behind the `#`.
-    fn write(&mut self, fragment: &str, entry: Entry);
+    /// Writes the part behind the `#`; returns whether the browser takes it.
+    fn write(&mut self, fragment: &str, entry: Entry) -> bool;
 }
 
 /// The time between two entries in seconds: browsers refuse more than 100 in half a minute.
@@ -48,6 +48,11 @@ impl History {
             (self.fragment, self.is_led) = (fragment.to_owned(), true);
         }
         is_changed
+    }
+
+    /// Notes that the browser has refused what was to be written: the address still has this part behind the `#`.
+    pub fn stays_at(&mut self, fragment: String) {
+        self.fragment = fragment;
     }
 
     /// The seconds until the next entry can be written, if it is too early at the time `now`.

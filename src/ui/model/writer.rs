@@ -41,10 +41,10 @@ pub fn refuse_losses(order: &Order, inputs: &Inputs) -> Result<(), Error> {
 }
 
 /// What writes an order, and says what it wrote.
-pub type Work = Box<dyn for<'a> FnOnce(&'a Order, &'a dyn Progress) -> Said<'a> + Send>;
+pub type Work = Box<dyn for<'a> FnOnce(&'a Order, &'a dyn Progress) -> WriteFuture<'a> + Send>;
 
 /// What was written, once it is.
-pub type Said<'a> = Pin<Box<dyn Future<Output = Result<String, Error>> + 'a>>;
+pub type WriteFuture<'a> = Pin<Box<dyn Future<Output = Result<String, Error>> + 'a>>;
 
 /// Something that is being written.
 pub struct Writing {

@@ -34,14 +34,14 @@ impl AddressBar for LocationBar {
         self.window.location().hash().unwrap_or_default().trim_start_matches('#').to_owned()
     }
 
-    fn write(&mut self, fragment: &str, entry: Entry) {
-        let Ok(history) = self.window.history() else { return };
+    fn write(&mut self, fragment: &str, entry: Entry) -> bool {
+        let Ok(history) = self.window.history() else { return false };
         let address = if fragment.is_empty() { self.base() } else { format!("#{fragment}") };
         let written = match entry {
             Entry::New => history.push_state_with_url(&JsValue::NULL, "", Some(&address)),
             Entry::Same => history.replace_state_with_url(&JsValue::NULL, "", Some(&address)),
         };
-        // A browser refuses entries that come too fast; the next step is written again.
-        written.unwrap_or_default();
+        // A browser refuses entries that come too fast.
+        written.is_ok()
     }
 }

@@ -6,6 +6,7 @@ mod failure;
 mod keys;
 
 use eframe::egui::{Ui, Visuals};
+use motionscope_core::base::heap;
 use wasm_bindgen::JsCast as _;
 use web_sys::HtmlCanvasElement;
 
@@ -17,12 +18,16 @@ use announcer::Announcer;
 /// The id of the canvas on which the page has the window drawn.
 const CANVAS: &str = "motionscope";
 
+/// The memory that a run may count on: a page has 4 GiB at most, for everything.
+const MOST_BYTES: u64 = 1 << 30;
+
 /// Has the window drawn on the canvas of the page, for as long as the page is open.
 pub fn run_in_page() {
     let Some(window) = web_sys::window() else { return };
     let canvas = window.document().and_then(|document| document.get_element_by_id(CANVAS));
     let Some(canvas) = canvas.and_then(|canvas| canvas.dyn_into::<HtmlCanvasElement>().ok()) else { return };
     failure::install(canvas.clone());
+    heap::measure_with(|| Some(MOST_BYTES));
     keys::take(&window);
     wasm_bindgen_futures::spawn_local(run_on(canvas, LocationBar::new(window)));
 }

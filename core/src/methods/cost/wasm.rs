@@ -7,18 +7,19 @@ use std::arch::wasm32::{
 
 use super::{Cut, Sum};
 
-/// Rows that a sum in 16 bits has room for: a row adds up to 2 · 255 to each.
-const ROWS: usize = 128;
+/// Registers of differences that sums in 16 bits have room for: each adds up to 2 · 255.
+const MOST: usize = 128;
 
 /// The sum of absolute differences of `block` against the candidate whose first pixel is the first of `pixels`, in rows of `stride`
 /// pixels.
 pub fn candidate(block: &Cut, pixels: &[u8], stride: usize) -> u32 {
     let rows = || (0..block.height).map(|y| (&block.row(0, y)[..block.width], &pixels[y * stride..][..block.width]));
     let whole = block.width / 16 * 16;
+    let rows_at_once = (MOST / (whole / 16).max(1)).max(1);
     let mut sums = u32x4_splat(0);
-    for first in (0..block.height).step_by(ROWS) {
+    for first in (0..block.height).step_by(rows_at_once) {
         let mut part = i16x8_splat(0);
-        for (a, b) in rows().skip(first).take(ROWS) {
+        for (a, b) in rows().skip(first).take(rows_at_once) {
             for (a, b) in a.as_chunks::<16>().0.iter().zip(b.as_chunks::<16>().0) {
                 part = u16x8_add(part, u16x8_extadd_pairwise_u8x16(differences(load(a), load(b))));
             }
