@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::io;
 use std::pin::pin;
 use std::sync::Arc;
+use std::sync::mpsc::{Receiver, sync_channel};
 use std::task::{Context, Poll, Wake};
 use std::thread::{self, JoinHandle, Thread};
 use std::time::{Duration, Instant};
@@ -55,6 +56,32 @@ struct Unpark(Thread);
 impl Wake for Unpark {
     fn wake(self: Arc<Self>) {
         self.0.unpark();
+    }
+}
+
+/// The items of an iterator, made on a thread of its own, which stays an item or two ahead and ends once this is dropped.
+pub struct Ahead<T>(Receiver<T>);
+
+impl<T: Send + 'static> Ahead<T> {
+    /// Starts to make the items, on a thread called `purpose`.
+    ///
+    /// # Errors
+    /// If the system gives no thread.
+    pub fn start(
+        purpose: &str,
+        items: impl FnOnce() -> Box<dyn Iterator<Item = T>> + Send + 'static,
+    ) -> io::Result<Self> {
+        let (sender, received) = sync_channel(1);
+        let make = move || items().try_for_each(|item| sender.send(item)).unwrap_or_default();
+        thread::Builder::new().name(purpose.into()).spawn(make).map(|_| Self(received))
+    }
+}
+
+impl<T> Iterator for Ahead<T> {
+    type Item = T;
+
+    fn next(&mut self) -> Option<T> {
+        self.0.recv().ok()
     }
 }
 

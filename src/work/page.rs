@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::task::{Poll, Waker};
 use std::time::Duration;
 
+use send_wrapper::SendWrapper;
 use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::spawn_local;
 use web_time::Instant;
@@ -46,6 +47,27 @@ pub fn spawn(_purpose: &str, work: impl AsyncFnOnce() + Send + 'static) -> io::R
         is_finished.store(true, Ordering::Relaxed);
     });
     Ok(task)
+}
+
+/// The items of an iterator, made when they are asked for.
+pub struct Ahead<T>(SendWrapper<Box<dyn Iterator<Item = T>>>);
+
+impl<T> Ahead<T> {
+    /// Prepares to make the items.
+    ///
+    /// # Errors
+    /// None in a page.
+    pub fn start(_purpose: &str, items: impl FnOnce() -> Box<dyn Iterator<Item = T>>) -> io::Result<Self> {
+        Ok(Self(SendWrapper::new(items())))
+    }
+}
+
+impl<T> Iterator for Ahead<T> {
+    type Item = T;
+
+    fn next(&mut self) -> Option<T> {
+        self.0.next()
+    }
 }
 
 /// Hands what `make` makes of each of `jobs` to `take`, in their order.

@@ -4,10 +4,9 @@ mod gif;
 mod scan;
 
 use std::io::{BufReader, Read};
+use std::iter;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::thread;
 
 use image::codecs::png::PngDecoder;
 use image::codecs::webp::WebPDecoder;
@@ -19,6 +18,7 @@ use self::scan::Scan;
 use super::names::file_name;
 use super::{Decoder, Open, Source, cannot_read, catch_panic, check_size, picture, reason, stills};
 use crate::files::File;
+use crate::work::Ahead;
 
 /// What can be animated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -136,8 +136,8 @@ struct Animation {
 
 impl Animation {
     fn first(&self) -> Result<RgbaImage, Error> {
-        let stream = Stream::start(&self.path, self.format)?;
-        stream.pictures.recv().unwrap_or_else(|_| Err(Error::new("it holds no picture; copy it again from its source")))
+        let mut stream = Stream::start(&self.path, self.format)?;
+        stream.pictures.next().unwrap_or_else(|| Err(Error::new("it holds no picture; copy it again from its source")))
     }
 }
 
@@ -152,7 +152,7 @@ impl Decoder for Animation {
         while stream.next <= index {
             stop.check()?;
             stop.report(stream.next - from, index + 1 - from);
-            let Ok(picture) = stream.pictures.recv() else { return Ok(()) };
+            let Some(picture) = stream.pictures.next() else { return Ok(()) };
             keep(stream.next, picture::frame(picture?.into())?);
             stream.next += 1;
         }
@@ -161,48 +161,51 @@ impl Decoder for Animation {
     }
 }
 
-/// The composed pictures from the first on, made on a thread of their own, which stays a little ahead and ends when
-/// this is dropped.
+/// The composed pictures from the first on.
 struct Stream {
-    pictures: Receiver<Result<RgbaImage, Error>>,
+    pictures: Ahead<Result<RgbaImage, Error>>,
     /// Number of the picture that comes next.
     next: usize,
 }
 
 impl Stream {
     fn start(path: &Path, format: Format) -> Result<Self, Error> {
-        let (sender, pictures) = sync_channel(1);
         let path = path.to_path_buf();
-        let work = move || {
-            let done = catch_panic::catch_panic(|| pour(&path, format, &sender))
-                .unwrap_or_else(|panic| Err(Error::new(format!("its data are damaged{}", reason::bracketed(&panic)))));
-            if let Err(error) = done {
-                // Nobody may be listening any more.
-                _ = sender.send(Err(error));
-            }
-        };
-        thread::Builder::new()
-            .name("animation".into())
-            .spawn(work)
+        let pictures = Ahead::start("animation", move || pictures(&path, format))
             .map_err(|e| Error::new(format!("no thread can be started to decode it ({e}); close other programs")))?;
         Ok(Self { pictures, next: 0 })
     }
 }
 
-fn pour(path: &Path, format: Format, to: &SyncSender<Result<RgbaImage, Error>>) -> Result<(), Error> {
+/// The composed pictures; after an error there are no more.
+fn pictures(path: &Path, format: Format) -> Box<dyn Iterator<Item = Result<RgbaImage, Error>>> {
+    match contained(|| frames(path, format)) {
+        Err(error) => Box::new(iter::once(Err(error))),
+        Ok(mut frames) => {
+            let next = move || contained(|| frames.next().transpose().map_err(|e| picture::damaged(&e))).transpose();
+            let mut has_failed = false;
+            Box::new(iter::from_fn(next).map(|frame| frame.map(image::Frame::into_buffer)).take_while(move |picture| {
+                let goes_on = !has_failed;
+                has_failed |= picture.is_err();
+                goes_on
+            }))
+        }
+    }
+}
+
+/// What `decode` gives; a panic is an error as well.
+fn contained<T>(decode: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
+    let damaged = |panic: String| Err(Error::new(format!("its data are damaged{}", reason::bracketed(&panic))));
+    catch_panic::catch_panic(decode).unwrap_or_else(damaged)
+}
+
+fn frames(path: &Path, format: Format) -> Result<Frames<'static>, Error> {
     let input = BufReader::new(File::open(path).map_err(|e| cannot_read(&e))?);
     let frames = match format {
         Format::WebP => WebPDecoder::new(input).and_then(limited).map(AnimationDecoder::into_frames),
         _ => PngDecoder::new(input).and_then(limited).and_then(PngDecoder::apng).map(AnimationDecoder::into_frames),
     };
-    let frames: Frames = frames.map_err(|e| picture::damaged(&e))?;
-    for frame in frames {
-        let frame = frame.map_err(|e| picture::damaged(&e))?;
-        if to.send(Ok(frame.into_buffer())).is_err() {
-            break;
-        }
-    }
-    Ok(())
+    frames.map_err(|e| picture::damaged(&e))
 }
 
 fn limited<D: ImageDecoder>(mut decoder: D) -> ImageResult<D> {

@@ -31,6 +31,7 @@ use crate::experiment::Experiment;
 use crate::experiment::first;
 use crate::experiment::source::Source;
 use crate::files;
+use crate::media::Given;
 use crate::view::look::{Changes, Look};
 use base::{Base, file_name, portable};
 use keys::{Fault, Keys};
@@ -246,7 +247,9 @@ fn session(base: &Base, own: Keys, faults: &mut Vec<Error>) -> Option<Session> {
 /// The same session with the names of its files alone.
 fn without_folders(session: Session) -> Session {
     let Experiment { source, given, .. } = session.experiment;
-    let experiment = Experiment { source: portable(source), given: given.map_path(file_name), ..session.experiment };
+    // A synthetic clip needs no files; those of others are given by hand.
+    let given = if own_files(&source).is_some() { given.map_path(file_name) } else { Given::default() };
+    let experiment = Experiment { source: portable(source), given, ..session.experiment };
     Session { experiment, ..session }
 }
 
