@@ -86,6 +86,45 @@ fn a_link_opens_a_clip_with_an_estimator_and_is_heard() {
 }
 
 #[test]
+fn the_address_of_one_tab_opens_the_same_step_in_another() {
+    let (server, mut browser) = (serve("/"), Browser::start());
+    let mut first = open(&mut browser, &server, "#synth:pillar&estimator=diamond&step=164.14&set.search-range=8");
+    first.wait("the step of the link", |shown| shown.text("step") == "164.14" && !shown.is_busy());
+    first.press("ArrowRight");
+    let shown = first.wait("the next step", |shown| shown.text("step") == "164.15" && !shown.is_busy());
+    first.evaluate(
+        "(async () => { while (!location.hash.includes('164.15')) await new Promise(requestAnimationFrame) })()",
+    );
+    let address = first.evaluate("location.href");
+    let mut second = Tab::new(&mut browser);
+    second.open(address.as_str().expect("an address"));
+    second.wait("the same step", |other| other.text("sentence") == shown.text("sentence") && !other.is_busy());
+}
+
+#[test]
+fn a_link_that_names_nothing_says_so() {
+    let (server, mut browser) = (serve("/"), Browser::start());
+    let mut tab = open(&mut browser, &server, "#lesson:no-such-lesson");
+    let shown = tab.wait("a sentence", |shown| !shown.text("error").is_empty() || !shown.text("message").is_empty());
+    let words = [shown.text("error"), shown.text("message")].concat();
+    assert!(words.contains("no-such-lesson"), "{words}");
+}
+
+#[test]
+fn an_own_clip_is_searched() {
+    let (server, mut browser) = (serve("/"), Browser::start());
+    let mut tab = open(&mut browser, &server, "");
+    let clip = xtask::root().join("tests/fixtures/h264_bframes.mp4");
+    tab.choose("motionscope-files", &[&clip]);
+    tab.wait("the clip", |shown| shown.text("clip").contains("h264_bframes") && !shown.text("step").is_empty());
+    tab.settle();
+    tab.press("End");
+    let end = tab.wait("the end of the search", |shown| !shown.is_busy() && shown.text("sentence").contains("motion"));
+    println!("{end:?}");
+    tab.screenshot("own-clip");
+}
+
+#[test]
 fn it_works_below_a_path_and_without_the_server() {
     let (server, mut browser) = (serve("/courses/vision/"), Browser::start());
     let mut tab = open(&mut browser, &server, "");

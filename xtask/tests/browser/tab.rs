@@ -1,6 +1,6 @@
 //! A tab with the page: what a person does there, and what the page shows.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use base64::Engine as _;
@@ -68,6 +68,13 @@ impl Tab {
             let event = json!({ "type": kind, "key": key, "code": code, "windowsVirtualKeyCode": number });
             self.call("Input.dispatchKeyEvent", event);
         }
+    }
+
+    /// Gives files or a folder to the input with this id, as the browser's dialog does.
+    pub fn choose(&mut self, id: &str, paths: &[&Path]) {
+        let input = self.call("Runtime.evaluate", json!({ "expression": format!("document.getElementById({id:?})") }));
+        let params = json!({ "files": paths, "objectId": input["result"]["objectId"] });
+        self.call("DOM.setFileInputFiles", params);
     }
 
     /// Taps with a finger.
