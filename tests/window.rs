@@ -48,12 +48,12 @@ mod placing;
 mod predict;
 #[path = "window/present.rs"]
 mod present;
-#[path = "window/shown.rs"]
-mod shown;
 #[path = "window/stages.rs"]
 mod stages;
 #[path = "window/start.rs"]
 mod start;
+#[path = "window/summary.rs"]
+mod summary;
 #[path = "window/timeline.rs"]
 mod timeline;
 

@@ -22,9 +22,9 @@ mod playback;
 mod predict;
 mod present;
 mod run;
-mod shown;
 mod situation;
 mod start;
+mod summary;
 
 use eframe::egui;
 use motionscope_core::base::Error;
@@ -47,7 +47,7 @@ use links::Links;
 use opening::Opening;
 use present::Presentation;
 use run::Run;
-pub use shown::Shown;
+pub use summary::Summary;
 
 /// A part of the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

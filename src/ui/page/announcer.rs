@@ -1,20 +1,20 @@
-//! Tells the page what is shown: screen readers hear the sentence, and tests read the rest.
+//! Writes a summary of the window into the page: screen readers hear the sentence, and tests read the rest.
 
 use web_sys::{Element, HtmlCanvasElement};
 
-use crate::ui::app::Shown;
+use crate::ui::app::Summary;
 
 /// The id of the element that screen readers read aloud when it changes.
 const SPOKEN: &str = "sentence";
 
-/// The attribute of the canvas that holds what is shown, as JSON.
+/// The attribute of the canvas with the summary, as JSON.
 const ATTRIBUTE: &str = "data-shown";
 
-/// Writes what is shown into the page.
+/// Writes the summary into the page.
 pub struct Announcer {
     canvas: HtmlCanvasElement,
     spoken: Option<Element>,
-    last: Option<Shown>,
+    last: Option<Summary>,
 }
 
 impl Announcer {
@@ -24,18 +24,18 @@ impl Announcer {
         Self { canvas, spoken, last: None }
     }
 
-    /// Writes what is shown if it has changed.
-    pub fn announce(&mut self, shown: Shown) {
-        if self.last.as_ref() == Some(&shown) {
+    /// Writes the summary if it has changed.
+    pub fn announce(&mut self, summary: Summary) {
+        if self.last.as_ref() == Some(&summary) {
             return;
         }
-        // A page that was changed by an extension of the browser may refuse; the window goes on without it.
-        let json = serde_json::to_string(&shown).unwrap_or_default();
+        // The window goes on where an extension of the browser has changed the page so that it refuses.
+        let json = serde_json::to_string(&summary).unwrap_or_default();
         self.canvas.set_attribute(ATTRIBUTE, &json).ok();
-        let words = shown.error.as_deref().or(shown.sentence.as_deref()).unwrap_or_default();
+        let words = summary.error.as_deref().or(summary.sentence.as_deref()).unwrap_or_default();
         if let Some(spoken) = self.spoken.as_ref().filter(|spoken| spoken.text_content().as_deref() != Some(words)) {
             spoken.set_text_content(Some(words));
         }
-        self.last = Some(shown);
+        self.last = Some(summary);
     }
 }

@@ -49,7 +49,7 @@ async fn run_on(canvas: HtmlCanvasElement, bar: LocationBar) {
     }
 }
 
-/// The window, which also tells the page what it shows.
+/// The window, with a summary in the page.
 struct Page {
     app: app::App,
     announcer: Announcer,
@@ -58,7 +58,7 @@ struct Page {
 impl eframe::App for Page {
     fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
         self.app.ui(ui, frame);
-        self.announcer.announce(self.app.shown());
+        self.announcer.announce(self.app.summary());
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {

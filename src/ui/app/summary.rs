@@ -1,13 +1,13 @@
-//! What the window shows, in a few words: for screen readers and for tests from outside.
+//! A summary of the window for the page around it: for screen readers, and for tests in a browser.
 
 use motionscope_core::run::Info;
 use serde::Serialize;
 
 use super::App;
 
-/// What the window shows.
+/// A summary of the window.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Shown {
+pub struct Summary {
     /// Whether this is the start page; then there is no clip, estimator or step.
     pub start: bool,
     /// The page of a lesson, such as `kalman-filter/3`.
@@ -18,33 +18,33 @@ pub struct Shown {
     pub estimator: Option<&'static str>,
     /// The step, such as `35.12`.
     pub step: Option<String>,
-    /// What happened in the step.
+    /// The sentence of the step.
     pub sentence: Option<String>,
-    /// Why a clip could not be opened or an estimator not be run.
+    /// The error that is shown: a clip could not be opened, or an estimator not be run.
     pub error: Option<String>,
     /// The newest message.
     pub message: Option<String>,
-    /// Whether something is being worked on.
+    /// Whether a task is at work.
     pub busy: bool,
 }
 
 impl App {
-    /// What the window shows just now.
-    pub fn shown(&self) -> Shown {
+    /// Returns a summary of the window.
+    pub fn summary(&self) -> Summary {
         let error = self.error().or(self.run.refused()).map(ToString::to_string);
-        let general = Shown {
+        let general = Summary {
             start: self.dialogs.start.is_some(),
             error,
             message: self.message().map(str::to_owned),
             busy: !self.is_settled(),
-            ..Shown::default()
+            ..Summary::default()
         };
         if general.start {
             return general;
         }
         let lesson = self.course.lesson.as_ref().map(|open| open.address().name().to_string_lossy().into_owned());
         let step = self.run.view.shown.as_deref();
-        Shown {
+        Summary {
             lesson: lesson.map(|name| name.trim_start_matches("lesson:").to_owned()),
             clip: self.document().clip().map(|clip| clip.info().name.to_string()),
             estimator: step.map(|step| step.info).map(|Info { id, .. }| *id),

@@ -1,11 +1,11 @@
-//! What the window says of itself to the page around it.
+//! The summary of the window for the page around it.
 
 use super::*;
 
 #[test]
-fn a_page_of_a_lesson_is_told_with_its_step() {
+fn a_page_of_a_lesson_is_summarised_with_its_step() {
     let window = Window::with(vec2(1280.0, 720.0), Start { open: Some("lesson:kalman-filter/3".into()) });
-    let shown = window.app().shown();
+    let shown = window.app().summary();
     assert_eq!(shown.lesson.as_deref(), Some("kalman-filter/3"));
     assert_eq!(shown.estimator, Some("kalman-filter"));
     assert_eq!(shown.step, Some(window.cursor().to_string()));
@@ -14,15 +14,15 @@ fn a_page_of_a_lesson_is_told_with_its_step() {
 }
 
 #[test]
-fn the_start_page_tells_nothing_of_the_run_below_it() {
+fn the_start_page_hides_the_run_below_it() {
     let window = Window::begun(vec2(1280.0, 720.0), Start::default(), None);
-    let shown = window.app().shown();
+    let shown = window.app().summary();
     assert!(shown.start);
     assert_eq!((shown.clip, shown.estimator, shown.step, shown.sentence), (None, None, None, None));
 }
 
 #[test]
-fn what_cannot_be_opened_is_told() {
+fn an_error_is_in_the_summary() {
     let window = Window::with(vec2(1280.0, 720.0), Start { open: Some("lesson:kalman-filter/99".into()) });
-    assert!(window.app().shown().error.is_some_and(|error| error.contains("99")));
+    assert!(window.app().summary().error.is_some_and(|error| error.contains("99")));
 }
