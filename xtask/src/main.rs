@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use anyhow::{Context as _, Result, bail};
 use xtask::{Server, page};
 
-const USAGE: &str = "usage: cargo xtask web [--out FOLDER] [--profile PROFILE]
+const USAGE: &str = "usage: cargo xtask web [--out FOLDER] [--profile PROFILE] [--shrink]
        cargo xtask serve [FOLDER] [--port PORT]";
 
 fn main() -> ExitCode {
@@ -28,15 +28,16 @@ fn run(mut args: impl Iterator<Item = String>) -> Result<()> {
 }
 
 fn web(mut args: impl Iterator<Item = String>) -> Result<()> {
-    let (mut out, mut profile) = (xtask::default_folder(), page::PROFILE.to_owned());
+    let (mut out, mut options) = (xtask::default_folder(), page::Options::default());
     while let Some(flag) = args.next() {
-        match (flag.as_str(), args.next()) {
-            ("--out", Some(folder)) => out = PathBuf::from(folder),
-            ("--profile", Some(name)) => profile = name,
+        match flag.as_str() {
+            "--shrink" => options.shrink = true,
+            "--out" => out = PathBuf::from(args.next().context(USAGE)?),
+            "--profile" => options.profile = args.next().context(USAGE)?,
             _ => bail!("{USAGE}"),
         }
     }
-    page::build(&out, &profile)
+    page::build(&out, &options)
 }
 
 fn serve(mut args: impl Iterator<Item = String>) -> Result<()> {

@@ -10,7 +10,7 @@ use flate2::{Compression, write::GzEncoder};
 use crate::{bindings, program, root, shrink};
 
 /// The profile of the root `Cargo.toml` for the page.
-pub const PROFILE: &str = "page";
+const PROFILE: &str = "page";
 
 /// The file by which a folder is recognised as one that this command wrote.
 const MARK: &str = "service-worker.js";
@@ -24,19 +24,34 @@ struct File {
     content: Vec<u8>,
 }
 
+/// How the page is built.
+#[derive(Debug)]
+pub struct Options {
+    /// A profile of the root `Cargo.toml`.
+    pub profile: String,
+    /// Whether `wasm-opt` makes the program smaller, which takes minutes.
+    pub shrink: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { profile: PROFILE.into(), shrink: false }
+    }
+}
+
 /// Builds the page into a folder, in place of an older one there.
 ///
 /// # Errors
 /// If the program cannot be compiled, or the folder holds other files or cannot be written.
-pub fn build(out: &Path, profile: &str) -> Result<()> {
+pub fn build(out: &Path, options: &Options) -> Result<()> {
     let is_free = fs::read_dir(out).map_or(true, |mut files| files.next().is_none()) || out.join(MARK).exists();
     ensure!(is_free, "{} holds other files; name an empty folder with --out", out.display());
-    let module = program::compile(profile)?;
+    let module = program::compile(&options.profile)?;
     let work = root().join("target/xtask/page");
     clear(&work)?;
     bindings::generate(&module, "motionscope", &work)?;
     let module = work.join("motionscope_bg.wasm");
-    if profile == PROFILE {
+    if options.shrink {
         shrink::shrink(&module)?;
     }
     let program = fs::read(&module)?;

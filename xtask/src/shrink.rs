@@ -26,7 +26,7 @@ pub fn shrink(module: &Path) -> Result<()> {
             "notice: wasm-opt failed, so the page is larger than it could be: {}",
             String::from_utf8_lossy(&output.stderr).lines().next().unwrap_or("it does not say why")
         ),
-        Err(_) => eprintln!("notice: the page is a tenth smaller where wasm-opt is installed (Debian: `binaryen`)"),
+        Err(_) => eprintln!("notice: the page is not made smaller: wasm-opt is not installed (Debian: `binaryen`)"),
     }
     Ok(())
 }
