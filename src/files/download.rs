@@ -54,7 +54,7 @@ fn content(path: &Path) -> Result<(String, Bytes), Error> {
     }
     let below = memory.below(path).filter_map(|file| {
         let inner = file.strip_prefix(path).ok()?;
-        // Lists of what was written are of use only in the folder itself.
+        // The list of files in a folder is not part of the download.
         let is_hidden = inner.file_name()?.to_string_lossy().starts_with('.');
         let bytes = memory.file(file).ok().filter(|_| !is_hidden)?;
         Some((Path::new(&name).join(inner).to_string_lossy().replace('\\', "/"), bytes))

@@ -125,7 +125,7 @@ pub fn find(path: PathBuf, beside: &Path) -> PathBuf {
     best.map_or(path, |(_, found)| found.to_owned())
 }
 
-/// Forgets all files but those that were given together with one of `paths`.
+/// Forgets all files except those that were given together with one of `paths`.
 pub fn keep_only<'a>(paths: impl IntoIterator<Item = &'a Path>) {
     let kept: Vec<PathBuf> = paths.into_iter().filter_map(folder_of).collect();
     let all: Vec<PathBuf> = if exists(Path::new(GIVEN)) { entries(Path::new(GIVEN)).collect() } else { Vec::new() };

@@ -1,8 +1,8 @@
 //! The one door to files: those on the disk, and those held in memory.
 //!
 //! A page of a browser has no disk. Files given to the page are held in memory ([`given`]), and files that it saves go through memory
-//! to the browser ([`download`]). The functions here mirror `std::fs`, and the path decides: in a page every path is in memory, on the
-//! desktop only paths below two folders that are empty there. All other code names files by path and is the same for both.
+//! to the browser ([`download`]). The functions here mirror `std::fs`, and the path decides: in a page every path is in memory; on a
+//! desktop only those below `/given` and `/saved`, and only while something is held there. All other code names files by path and is the same for both.
 
 mod disk;
 pub mod download;

@@ -38,10 +38,11 @@ mod truth;
 mod unsupported;
 mod video;
 
-use crate::files;
 use std::path::Path;
 
 use motionscope_core::base::Error;
+
+use crate::files;
 
 pub use companion::OpenedClip;
 pub(crate) use decoder::{Decoder, Source};

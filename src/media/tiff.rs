@@ -1,8 +1,9 @@
 //! The pages of a TIFF file (TIFF 6.0, section 2), of which its decoder reads the first.
 
-use crate::files::File;
 use std::collections::HashSet;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
+
+use crate::files::File;
 
 /// A page, by its directory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -3,9 +3,10 @@
 use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::Command;
+use crate::files::IN_PAGE;
 
 /// The key that goes from pane to pane. In a browser F6 goes to its address.
-pub const PANE_KEY: Key = if cfg!(target_arch = "wasm32") { Key::F8 } else { Key::F6 };
+pub const PANE_KEY: Key = if IN_PAGE { Key::F8 } else { Key::F6 };
 
 impl Command {
     /// The command that a key calls.

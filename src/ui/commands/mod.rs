@@ -89,7 +89,7 @@ impl Entry {
 
     /// The entry with the keys of this edition of the program.
     fn here(self) -> Self {
-        let keys = if cfg!(target_arch = "wasm32") { self.keys_in_page() } else { self.keys };
+        let keys = if IN_PAGE { self.keys_in_page() } else { self.keys };
         Self { keys, ..self }
     }
 }
@@ -129,9 +129,9 @@ impl Command {
         [self.entry().keys, others].concat()
     }
 
-    /// Whether this edition has it: a page has no camera of ffmpeg's, and no paths.
+    /// Whether this edition has it: a page has no camera of ffmpeg's and no paths, and its tab is closed by the browser.
     pub fn is_offered(self) -> bool {
-        !(IN_PAGE && matches!(self, Command::Camera | Command::PastePath))
+        !(IN_PAGE && matches!(self, Command::Camera | Command::PastePath | Command::Quit))
     }
 
     /// Whether it is shown beside the others: out of the outermost granularity is the end of the run, which is there already.

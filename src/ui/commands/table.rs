@@ -169,7 +169,7 @@ commands! {
     },
     Camera: Entry {
         icon: Icon::Camera, text: "Camera…", keys: &[ctrl(Key::R)],
-        in_page: Some(&[shift(Key::C)]),
+        in_page: Some(&[]),
         tip: "Record a clip from a camera, or watch an estimator run on its live picture.",
         ..FILE
     },
@@ -213,7 +213,7 @@ commands! {
         icon: Icon::LogOut, text: "Quit", keys: &[ctrl(Key::Q)],
         in_page: Some(&[]), section: 3,
         tip: "Close Motionscope.",
-        enabled: |_| !cfg!(target_arch = "wasm32"), ..FILE
+        ..FILE
     },
     Estimators: Entry {
         icon: Icon::Grid3x3, text: "Estimators…", keys: &[key(Key::A)],
@@ -616,7 +616,7 @@ commands! {
     },
     ExportSteps: Entry {
         icon: Icon::Images, text: "Several steps…", keys: &[ctrl_shift(Key::E)],
-        tip: "Save a range of steps as numbered pictures, or as an animation: GIF, APNG, WebP or MP4.",
+        tip: "Save a range of steps as numbered pictures, or as an animation.",
         enabled: |now| now.has_run, tags: "export save image screenshot figure png svg pdf slides", ..EXPORT
     },
     ExportResult: Entry {
