@@ -13,6 +13,8 @@ use objects::window;
 const PARTS: usize = 4;
 /// Sizes of windows, in pixels.
 const SIZES: [[f32; 2]; 5] = [[844.0, 390.0], [1024.0, 768.0], [1280.0, 720.0], [1920.0, 1080.0], [2560.0, 1440.0]];
+/// A phone held upright, in points.
+const PHONE: [f32; 2] = [390.0, 844.0];
 /// Pixels, and pixels per point, of the windows that leave the least room and the most, and of a projector.
 const CORNERS: [([f32; 2], f32); 5] =
     [(SIZES[0], 1.0), (SIZES[1], 1.0), (SIZES[2], 1.0), (SIZES[2], 2.0), (SIZES[4], 1.0)];
@@ -160,6 +162,15 @@ fn small(window: &Window) -> Option<String> {
     })
 }
 
+/// What is too narrow of an upright window: a picture or the words.
+fn narrow(window: &Window) -> Option<String> {
+    let width = window.harness.ctx.content_rect().width();
+    let widest = |of: Region| rects(window, of).iter().map(|rect| rect.width()).fold(0.0, f32::max);
+    let told = widest(Region::Strip).max(widest(Region::Explanation));
+    let is_narrow = widest(Region::Pictures) < 0.6 * width || told < 0.9 * width;
+    is_narrow.then(|| format!("the pictures have {} points of its width, the words {told}", widest(Region::Pictures)))
+}
+
 pub fn close_messages(window: &mut Window) {
     let count = window.harness.query_all_by_label("Close message").count();
     for _ in 0..count {
@@ -217,6 +228,10 @@ fn look_at(id: &str, faults_of: &mut Vec<String>) {
                 faults_of.extend(small.map(|fault| format!("{at}: {fault}")));
             }
         }
+        window.command(Command::DarkTheme);
+        resize(&mut window, PHONE, 1.0);
+        let at = format!("{id} at {step}, on a phone");
+        faults_of.extend(faults(&window).into_iter().chain(narrow(&window)).map(|fault| format!("{at}: {fault}")));
         window.command(Command::Present);
         close_messages(&mut window);
         for pixels in SIZES {
