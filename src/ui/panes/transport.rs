@@ -74,6 +74,7 @@ fn upright(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     let (above, below) = ui.available_rect_before_wrap().split_top_bottom_at_fraction(0.5);
     timeline(ui, above.shrink2(vec2(4.0, 0.0)), input, actions);
     let mut below = widgets::inside(ui, below, egui::Layout::left_to_right(egui::Align::Center));
+    below.spacing_mut().item_spacing.x = 0.0;
     use Command as C;
     let all = [C::OutBack, C::OverBack, C::IntoBack, C::Play, C::Into, C::Over, C::Out];
     let all: Vec<Command> = all.into_iter().filter(|command| command.is_listed(&input.granularities)).collect();
