@@ -171,9 +171,9 @@ impl Bar {
     }
 }
 
-struct Shared(Rc<RefCell<Bar>>);
+struct SharedBar(Rc<RefCell<Bar>>);
 
-impl AddressBar for Shared {
+impl AddressBar for SharedBar {
     fn base(&self) -> String {
         "https://example.org/".into()
     }
@@ -183,7 +183,7 @@ impl AddressBar for Shared {
         bar.entries[bar.at].clone()
     }
 
-    fn write(&mut self, fragment: &str, entry: Entry) {
+    fn write(&mut self, fragment: &str, entry: Entry) -> bool {
         let mut bar = self.0.borrow_mut();
         let at = bar.at;
         bar.entries.truncate(at + 1);
@@ -194,6 +194,7 @@ impl AddressBar for Shared {
                 bar.at += 1;
             }
         }
+        true
     }
 }
 
@@ -201,7 +202,7 @@ impl AddressBar for Shared {
 fn the_back_button_goes_between_pages_and_clips_and_not_between_steps() {
     let bar = Bar::new();
     let mut window = Window::begun(vec2(1440.0, 900.0), Start::default(), None);
-    window.harness.state_mut().follow_in(Box::new(Shared(Rc::clone(&bar))));
+    window.harness.state_mut().follow_in(Box::new(SharedBar(Rc::clone(&bar))));
     let rest = |window: &mut Window| {
         for _ in 0..2 {
             window.harness.run_steps(30);
