@@ -1,4 +1,4 @@
-//! A move of a run as a task, which is given up when nobody wants it any more.
+//! A move of a run as a task, which can be abandoned.
 
 use motionscope_core::run::{Move, Walk};
 use web_time::Instant;

@@ -193,7 +193,7 @@ fn pictures(path: &Path, format: Format) -> Box<dyn Iterator<Item = Result<RgbaI
     }
 }
 
-/// What `decode` gives; a panic is an error as well.
+/// Calls `decode`, and returns its panic as an error.
 fn contained<T>(decode: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
     let damaged = |panic: String| Err(Error::new(format!("its data are damaged{}", reason::bracketed(&panic))));
     catch_panic::catch_panic(decode).unwrap_or_else(damaged)

@@ -11,7 +11,7 @@ use motionscope_core::base::Error;
 
 use crate::files::{self, IN_PAGE, temporary};
 
-/// What is said where there is no room.
+/// The sentence for a full disk or memory.
 const DISK_IS_FULL: &str = if IN_PAGE {
     "it does not fit into the memory of this page; save less, or use the desktop edition"
 } else {

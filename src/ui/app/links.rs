@@ -16,7 +16,7 @@ use crate::ui::model::address::{AddressBar, Entry, History};
 /// Faults of a link that are shown one by one.
 const MOST_FAULTS: usize = 3;
 
-/// What of a link is not done yet, and the address of the page.
+/// The unfinished part of a link, and the address of the page.
 #[derive(Default)]
 pub(super) struct Links {
     /// A session whose clip has to be given again.

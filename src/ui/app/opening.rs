@@ -39,7 +39,7 @@ pub(super) struct Opening {
     pub asked: Option<OsString>,
     /// A path that the system's dialog will deliver.
     pub browsing: Option<(Browse, Receiver<Option<PathBuf>>)>,
-    /// What the browser's dialog was opened for last.
+    /// The purpose of the browser's dialog that was opened last.
     pub chooser: Option<Browse>,
     /// A session that waits for files.
     pub incomplete: Option<Incomplete>,

@@ -1,4 +1,4 @@
-//! A task that comes to one outcome: it tells how far it is, and is given up when nobody wants it.
+//! A task with one outcome, which reports its progress and can be cancelled.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

@@ -21,7 +21,7 @@ const TIMES: usize = 3;
 /// The number of no order.
 const NONE: usize = usize::MAX;
 
-/// What the task is asked for.
+/// A request to the task.
 enum Order {
     /// The still of the sample with this number.
     Still(usize),
@@ -265,7 +265,7 @@ fn start(ctx: Context) -> Maker {
             work::breathe().await;
         }
     };
-    // Without a task nobody hears of an order.
+    // Without a task an order has no effect.
     drop(work::spawn("sample clips", work));
     Maker { ordered, orders, made, wanted }
 }

@@ -43,7 +43,7 @@ pub fn refuse_losses(order: &Order, inputs: &Inputs) -> Result<(), Error> {
 /// What writes an order, and says what it wrote.
 pub type Work = Box<dyn for<'a> FnOnce(&'a Order, &'a dyn Progress) -> WriteFuture<'a> + Send>;
 
-/// What was written, once it is.
+/// The work of writing, which ends with the sentence to show.
 pub type WriteFuture<'a> = Pin<Box<dyn Future<Output = Result<String, Error>> + 'a>>;
 
 /// Something that is being written.

@@ -151,7 +151,7 @@ fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     }
 }
 
-/// What a finger needs most; everything else is in the menu.
+/// The two buttons of a narrow bar; everything else is in the menu.
 fn upright(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     for command in [Command::ShowParameters, Command::Palette] {
         button(ui, command, input, actions);

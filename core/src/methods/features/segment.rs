@@ -296,7 +296,7 @@ pub fn maxima(scores: &Grid<u8>, y: usize, mut tell: impl FnMut(usize)) {
     rest.filter(|&x| rows[1][x] > 0 && is_maximum(rows, x)).for_each(tell);
 }
 
-/// Calls `tell` with the maxima of so many `columns` as wide registers take, and returns the columns after these.
+/// Calls `tell` with the maxima of `columns`, as far as wide registers reach, and returns the remaining columns.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
 fn wide_maxima(rows: [&[u8]; 3], mut columns: Range<usize>, tell: &mut impl FnMut(usize)) -> Range<usize> {
