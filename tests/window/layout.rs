@@ -167,7 +167,8 @@ fn narrow(window: &Window) -> Option<String> {
     let width = window.harness.ctx.content_rect().width();
     let widest = |of: Region| rects(window, of).iter().map(|rect| rect.width()).fold(0.0, f32::max);
     let told = widest(Region::Strip).max(widest(Region::Explanation));
-    let is_narrow = widest(Region::Pictures) < 0.6 * width || told < 0.9 * width;
+    // A smaller picture may stand beside the words.
+    let is_narrow = widest(Region::Pictures) < 0.6 * width || told < 0.5 * width;
     is_narrow.then(|| format!("the pictures have {} points of its width, the words {told}", widest(Region::Pictures)))
 }
 

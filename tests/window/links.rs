@@ -71,7 +71,13 @@ fn a_copied_link_opens_the_same_step() {
 #[test]
 fn the_link_of_a_page_opens_its_words_and_the_step() {
     let mut window = opened("lesson:kalman-filter/3");
-    window.key(Key::ArrowRight);
+    let before = window.cursor();
+    // The words of the page may be read to their end first.
+    for _ in 0..6 {
+        if window.cursor() == before {
+            window.key(Key::ArrowRight);
+        }
+    }
     window.harness.state_mut().lead_links_to("http://localhost/course/".into());
     let link = copied(&mut window);
     assert!(link.starts_with("http://localhost/course/#lesson:kalman-filter/3&step="), "{link}");
@@ -121,7 +127,7 @@ fn an_own_clip_is_asked_for_and_gets_what_the_link_says() {
     assert!(said.contains("drop ball_0.png and ball_1.png here"), "{said}");
     again.harness.state_mut().open(folder.path().join("other.png"));
     again.settle();
-    assert_ne!(again.shown().info.id, "diamond", "this is another clip");
+    assert_ne!(again.app().document().estimator().info().id, "diamond", "this is another clip");
     again.harness.state_mut().open(pair);
     again.settle();
     assert_eq!((again.shown().info.id, again.cursor()), ("diamond", Cursor { unit: 1, event: 3 }));

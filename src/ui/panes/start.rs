@@ -318,7 +318,7 @@ impl Drawn<'_, '_> {
         };
         ui.horizontal_top(|ui| {
             ui.vertical(|ui| {
-                ui.set_width(all - beside - if beside > 0.0 { 24.0 } else { 0.0 });
+                ui.set_width(all - beside - if is_upright(ui) { 0.0 } else { 24.0 });
                 widgets::heading(ui, "Lessons");
                 self.lessons(ui);
             });

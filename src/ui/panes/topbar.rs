@@ -29,6 +29,9 @@ pub struct Input<'a> {
     pub recent: &'a [std::path::PathBuf],
 }
 
+/// Letters that the name of the clip has at least.
+const CLIP_LETTERS: f32 = 5.0;
+
 /// Width per point of type size below which the menus share one button.
 const ROOMY: f32 = 70.0;
 
@@ -94,7 +97,10 @@ fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     };
     let padding = 2.0 * ui.spacing().button_padding.x + ui.spacing().item_spacing.x;
     let parents: Vec<&str> = input.document.parents().map(|parent| parent.name).collect();
-    // The estimator is always told whole, as far as the window goes.
+    let most = ui.available_width() - CLIP_LETTERS * 0.6 * size - 1.4 * size - 2.0 * padding;
+    let is_whole = width(ui, &estimator) <= most;
+    let estimator =
+        if is_whole { estimator } else { widgets::elide(&estimator, (most / (0.6 * size)).max(8.0) as usize) };
     let mut room = ui.available_width() - width(ui, &estimator) - 1.4 * size - 2.0 * padding;
     let crumb = |name: &str| format!("{name} ›");
     let whole: f32 = parents.iter().map(|name| width(ui, &crumb(name)) + padding).sum();
