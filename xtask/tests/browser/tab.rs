@@ -77,9 +77,10 @@ impl Tab {
         self.call("DOM.setFileInputFiles", params);
     }
 
-    /// Taps with a finger.
+    /// Taps with a finger, which rests for as long as a person's does.
     pub fn tap(&mut self, [x, y]: [f64; 2]) {
         self.call("Input.dispatchTouchEvent", json!({ "type": "touchStart", "touchPoints": [{ "x": x, "y": y }] }));
+        std::thread::sleep(Duration::from_millis(250));
         self.call("Input.dispatchTouchEvent", json!({ "type": "touchEnd", "touchPoints": [] }));
     }
 
