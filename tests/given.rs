@@ -118,7 +118,7 @@ fn a_clip_is_given_saved_in_a_session_and_given_again() {
     let third = page.path();
     assert!(third.ends_with("deep/a.y4m") && third != second);
 
-    // What cannot be opened is reported, and the clip stays.
+    // A file that cannot be opened is reported, and the clip stays.
     page.give([("odd.bin".into(), vec![0xFF; 999])]);
     assert_eq!(page.path(), third);
 }

@@ -110,7 +110,7 @@ pub(super) fn place_beside(target: &Path) -> PathBuf {
     if super::is_in_memory(target) || !is_stream(target) { parent(target).into() } else { temporary::place() }
 }
 
-/// Puts `file` in the place of `target`, or writes its bytes there.
+/// Replaces `target` by `file`, or writes the bytes of `file` to it.
 pub(super) fn settle(file: &Path, target: &Path) -> io::Result<()> {
     if is_stream(target) {
         return stream(file, target);

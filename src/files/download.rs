@@ -23,7 +23,7 @@ fn place(path: &Path) -> PathBuf {
 /// Hands the file or folder saved at `path` over to the browser, and forgets it; on the desktop it stays. Returns the `outcome` of saving.
 ///
 /// # Errors
-/// That of the `outcome`, and if the browser does not take the file.
+/// The error of `outcome`, or that the browser does not take the file.
 pub fn hand_over<T>(path: &Path, outcome: Result<T, Error>) -> Result<T, Error> {
     if !path.starts_with(SAVED) || !super::is_in_memory(path) {
         return outcome;

@@ -144,7 +144,7 @@ impl Tree {
         Ok(children.filter_map(|path| path.file_name().map(OsString::from)).collect())
     }
 
-    /// Puts a file at `path`, in the place of one that is there.
+    /// Puts a file at `path`, and replaces an existing one.
     pub(super) fn insert(&mut self, path: &Path, bytes: Bytes) -> io::Result<()> {
         let path = plain(path);
         path.parent().map_or(Ok(()), |folder| self.check_folder(folder))?;

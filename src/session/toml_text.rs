@@ -1,4 +1,4 @@
-//! TOML that is read key by key, so that whatever is wrong is told with its line and its key. In a link each value is a text, which is
+//! TOML that is read key by key, so that an error names its line and its key. In a link each value is a text, which is
 //! read as whatever is asked for.
 
 use std::borrow::Cow;

@@ -159,7 +159,7 @@ pub(super) fn differing(session: &Session, named: &dyn Fn(&Path) -> PathBuf) -> 
     Ok(keys)
 }
 
-/// The parameters that `estimator` does not have by default, those of a stage as far as they are not the defaults of that stage.
+/// The parameters of `estimator` and its stages that differ from their defaults.
 fn changed_values(estimator: &dyn AnyEstimator) -> Result<toml::Table, Error> {
     let mut fresh = course::estimator(estimator.info().id)?;
     let mut changed = toml::Table::new();

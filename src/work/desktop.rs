@@ -88,7 +88,7 @@ impl<T> Iterator for Ahead<T> {
 /// Hands what `make` makes of each of `jobs` to `take`, in their order; some are made ahead, on as many threads as there are cores.
 ///
 /// # Errors
-/// Those of `take`. A job whose making panics is handed over as `None`.
+/// The errors of `take`, which gets `None` for a job that panics.
 pub fn in_order<J: Send, T: Send, E>(
     jobs: impl Iterator<Item = J>,
     make: impl Fn(J) -> T + Sync,

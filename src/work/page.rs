@@ -73,7 +73,7 @@ impl<T> Iterator for Ahead<T> {
 /// Hands what `make` makes of each of `jobs` to `take`, in their order.
 ///
 /// # Errors
-/// Those of `take`.
+/// The errors of `take`.
 pub fn in_order<J, T, E>(
     jobs: impl Iterator<Item = J>,
     make: impl Fn(J) -> T,

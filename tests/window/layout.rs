@@ -162,7 +162,7 @@ fn small(window: &Window) -> Option<String> {
     })
 }
 
-/// What is too narrow of an upright window: a picture or the words.
+/// Says if the pictures or the words are too narrow in an upright window.
 fn narrow(window: &Window) -> Option<String> {
     let width = window.harness.ctx.content_rect().width();
     let widest = |of: Region| rects(window, of).iter().map(|rect| rect.width()).fold(0.0, f32::max);

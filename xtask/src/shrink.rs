@@ -5,7 +5,7 @@ use std::process::Command;
 
 use anyhow::Result;
 
-/// What the module uses beyond WebAssembly 1.0: older versions of `wasm-opt` have to be told.
+/// The features that the module uses beyond WebAssembly 1.0, which older versions of `wasm-opt` do not assume.
 const FEATURES: [&str; 7] = [
     "--enable-bulk-memory",
     "--enable-multivalue",

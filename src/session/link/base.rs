@@ -99,7 +99,7 @@ impl Base {
         })
     }
 
-    /// Its keys as far as they hold for a run with the keys `own`: on another clip or of another estimator, only these two.
+    /// Its keys that apply to a run with the keys `own`: on another clip or with another estimator, only these two.
     pub fn kept(&self, own: &Keys) -> Keys {
         let is_other =
             |key: &&str| own.get(*key).is_some_and(|value| self.keys.get(*key).is_some_and(|of| of != value));

@@ -105,7 +105,8 @@ impl Link {
     pub fn parse(text: &str) -> (Self, Vec<Error>) {
         let fragment = text.split_once('#').map_or(text, |(_, fragment)| fragment);
         if fragment.len() > MOST_BYTES {
-            let why = format!("it has more than {MOST_BYTES} letters, which no address has; save a session instead");
+            let why =
+                format!("the link has more than {MOST_BYTES} letters, which no address has; save a session instead");
             return (Self::default(), vec![Error::new(why)]);
         }
         let mut faults = Vec::new();

@@ -29,7 +29,7 @@ pub struct History {
     fragment: String,
     /// The page or clip that was open then; none before the first time.
     place: Option<String>,
-    /// Whether what is opened next was asked for by the address.
+    /// Whether the next page or clip is opened because the address changed.
     is_led: bool,
     /// When it was last compared with what is shown.
     at: f64,

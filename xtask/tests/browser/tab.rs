@@ -106,7 +106,7 @@ impl Tab {
         self.wait("the work to end", |shown| !shown.is_busy())
     }
 
-    /// What is shown, once the program has begun.
+    /// The summary of the window, once the program has begun.
     pub fn shown(&mut self) -> Option<Shown> {
         let text = self.evaluate("document.getElementById('motionscope')?.dataset.shown ?? null");
         let shown = serde_json::from_str(text.as_str()?).expect("what is shown is JSON");
@@ -191,7 +191,7 @@ fn fault(event: &Value) -> Option<String> {
     }
 }
 
-/// What the page shows.
+/// A summary of the window, as the page has it.
 #[derive(Debug)]
 pub struct Shown(Value);
 
