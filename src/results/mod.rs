@@ -19,6 +19,7 @@ use std::path::{Path, PathBuf};
 use motionscope_core::base::Error;
 use motionscope_core::products::{Output, ProductKind};
 
+use crate::files;
 use crate::media::export::{self, Target};
 use crate::media::names::extension;
 
@@ -147,12 +148,12 @@ impl Export {
     pub fn save(&self, path: &Path, made: &EncodedFiles) -> Result<String, Error> {
         if self.folder_at(path).is_none() {
             made.files.last().map_or(Ok(()), |(_, bytes)| export::save_result(path, bytes))?;
-            return Ok(path.display().to_string());
+            return Ok(files::label(path).to_string());
         }
         let save = || made.files.iter().try_for_each(|(name, bytes)| export::save_result(&path.join(name), bytes));
         export::fill_folder(path, save)?;
         let plural = if made.files.len() == 1 { "" } else { "s" };
-        Ok(format!("{} file{plural} into {}", made.files.len(), path.display()))
+        Ok(format!("{} file{plural} into {}", made.files.len(), files::label(path)))
     }
 }
 

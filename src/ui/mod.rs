@@ -7,6 +7,7 @@ pub mod commands;
 mod desktop;
 pub mod dialogs;
 pub mod drawing;
+pub mod full_screen;
 pub mod layout;
 pub mod model;
 #[cfg(target_arch = "wasm32")]

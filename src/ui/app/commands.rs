@@ -10,8 +10,8 @@ use crate::ui::commands::{Command, Menu, Owner, PenWish};
 use crate::ui::dialogs::save::Kind;
 use crate::ui::dialogs::{compare, find, lessons, open as open_dialog, palette, terms};
 use crate::ui::drawing::style::ZOOM;
-use crate::ui::layout;
 use crate::ui::model::walker::Marks;
+use crate::ui::{full_screen, layout};
 
 /// Zoom factor of a key press.
 const ZOOM_STEP: f32 = 1.5;
@@ -115,10 +115,7 @@ impl App {
             C::PreviousChart => self.turn_charts(true),
             C::NextPicture => self.panes.states.stage.next_picture(),
             C::Landscape => self.settings.look.landscape = !self.settings.look.landscape,
-            C::FullScreen => {
-                let now = self.ctx.input(|i| i.viewport().fullscreen.unwrap_or(false));
-                self.ctx.send_viewport_cmd(ViewportCommand::Fullscreen(!now));
-            }
+            C::FullScreen => full_screen::set(&self.ctx, !full_screen::is_on(&self.ctx)),
             C::Predict => self.toggle_predict(),
             C::Pen => self.take_pen(),
             C::NextPenColor => self.pen(PenWish::Color(self.presentation.pen.color.next())),

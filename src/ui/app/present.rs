@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use eframe::egui::{
     self, CentralPanel, Frame, Id, LayerId, Margin, Order, Panel, Stroke, Ui, ViewportBuilder, ViewportClass,
-    ViewportCommand, ViewportId,
+    ViewportId,
 };
 use motionscope_core::base::Error;
 use motionscope_core::scene::Role;
@@ -19,6 +19,7 @@ use crate::paint::{Color, Freehand, FreehandLine};
 use crate::ui::app::keys;
 use crate::ui::commands::{Actions, PenWish};
 use crate::ui::drawing::style;
+use crate::ui::full_screen;
 use crate::ui::model::pen::Pen;
 use crate::ui::model::snapshot::Snapshot;
 use crate::ui::model::upcoming::{Next, Upcoming};
@@ -101,7 +102,7 @@ impl App {
     pub(super) fn toggle_full_screen(&mut self) {
         let is_on = !self.presentation.is_on;
         (self.presentation.is_on, self.presentation.is_blank) = (is_on, false);
-        self.ctx.send_viewport_cmd(ViewportCommand::Fullscreen(is_on));
+        full_screen::set(&self.ctx, is_on);
         if is_on {
             self.settings.fold_parameters();
             // What only introduces the window is nothing for a class.

@@ -105,6 +105,19 @@ fn a_link_opens_a_clip_with_an_estimator_and_is_heard() {
 }
 
 #[test]
+fn a_key_fills_the_screen_and_leaves_it() {
+    let (server, mut browser) = (serve("/"), Browser::start());
+    let mut tab = open(&mut browser, &server, "#synth:pillar&estimator=diamond");
+    tab.wait("diamond search", |shown| shown.text("estimator") == "diamond" && !shown.is_busy());
+    for fills in [true, false] {
+        tab.press("f");
+        let wait =
+            format!("while (Boolean(document.fullscreenElement) !== {fills}) await new Promise(requestAnimationFrame)");
+        tab.evaluate(&format!("(async () => {{ {wait} }})()"));
+    }
+}
+
+#[test]
 fn the_address_of_one_tab_opens_the_same_step_in_another() {
     let (server, mut browser) = (serve("/"), Browser::start());
     let mut first = open(&mut browser, &server, "#synth:pillar&estimator=diamond&step=164.14&set.search-range=8");
