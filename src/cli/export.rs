@@ -115,7 +115,7 @@ fn pages(args: &ExportArgs) -> Result<(), Error> {
         let (pixel, freehand) = (position.held.map(Chosen::Held), session.freehand);
         let stand = Stand { prepared: &prepared, cursor, pixel, look, freehand };
         let words = Words { lesson: &lesson.title, title: &page.title, number: [index + 1, count], prose };
-        let picture = words.encode(&stand, args.format, args.picture.scale)?;
+        let picture = work::finish(words.encode(&stand, args.format, args.picture.scale))?;
         let file = folder.join(format!("page-{:02}.{}", index + 1, args.format.extension()));
         fill_folder(folder, || save_result(&file, &picture))?;
         saved += 1;

@@ -19,6 +19,7 @@ use crate::view::look::Look;
 use crate::view::page::Stand;
 use crate::view::paper::THEME;
 use crate::view::worksheet::About;
+use crate::work;
 
 /// A worksheet of a step.
 #[derive(Group)]
@@ -71,7 +72,7 @@ impl WorksheetArgs {
         let stand =
             Stand { prepared, cursor, pixel, look: Look { theme: THEME, ..look }, freehand: Freehand::default() };
         let title = prepared.experiment.info().name;
-        About { title, prose: None, answers: self.answers }.encode(&stand, None)
+        work::finish(About { title, prose: None, answers: self.answers }.encode(&stand, None))
     }
 }
 
@@ -111,9 +112,9 @@ pub fn of_lesson(asked: &Asked<'_>, address: &Address) -> Result<bool, Error> {
     let pdf = match flag {
         "handout" => {
             let options = Options { per_sheet: asked.handout.pages_per_sheet, answers };
-            handout(&lesson, options, &guard, None)?
+            work::finish(handout(&lesson, options, &guard, None))?
         }
-        _ => worksheet((&lesson, address.page), answers, &guard, None)?,
+        _ => work::finish(worksheet((&lesson, address.page), answers, &guard, None))?,
     };
     save_result(path, &pdf)?;
     say(&format!("Saved {}.", path.display()))?;

@@ -11,7 +11,7 @@ use std::borrow::Borrow;
 
 use motionscope_core::base::words::{fixed, grouped};
 use motionscope_core::base::{Error, Threads};
-use motionscope_core::course::compare::Figures;
+use motionscope_core::course::compare::{Figures, Run};
 use motionscope_core::course::{detection, estimator};
 use motionscope_core::data::Clip;
 use motionscope_core::params::Value;
@@ -21,6 +21,7 @@ use serde_json::{Map, json};
 use web_time::{Duration, Instant};
 
 use crate::experiment::source::Source;
+use crate::experiment::whole;
 use crate::work;
 
 /// One estimator of a comparison, with its parameters.
@@ -96,19 +97,15 @@ impl Row {
         let Conditions { clip, frame, threads, repeats } = *conditions;
         let estimator = &*compared.estimator;
         decode(estimator, (clip, frame))?;
-        work::breathe().await;
-        let start = Instant::now();
-        let ran = estimator.run_counted(clip, frame, threads)?;
-        let (mut time, begun, mut done) = (start.elapsed(), start, 1);
+        let begun = Instant::now();
+        let (ran, mut time) = whole::summary(estimator, (clip, frame), threads).await?;
+        let mut done = 1;
         // Counted once; further runs are timed without an observer.
         while repeats.go_on(done, begun.elapsed()) {
-            work::breathe().await;
-            let start = Instant::now();
-            estimator.run(clip, frame, threads)?;
-            (time, done) = (time.min(start.elapsed()), done + 1);
+            let (_, again) = whole::output(estimator, (clip, frame), threads).await?;
+            (time, done) = (time.min(again), done + 1);
         }
-        work::breathe().await;
-        let figures = Figures::of(estimator, &ran, (clip, frame), threads)?;
+        let figures = Figures::of(estimator, &ran, (clip, frame), &run_on(threads)).await?;
         work::breathe().await;
         let assessment = detection::assess(estimator, &ran.output, &Reference { clip, frame }, threads)?;
         Ok(Self { estimator: estimator.boxed_clone(), swept: compared.swept.clone(), time, assessment, figures })
@@ -117,6 +114,13 @@ impl Row {
     /// The estimator's id.
     pub fn id(&self) -> &'static str {
         self.estimator.info().id
+    }
+}
+
+/// How the runs are done that figures need in addition.
+pub(super) fn run_on(threads: &Threads) -> impl Run {
+    async |estimator: &dyn AnyEstimator, clip: &Clip, frame: usize| {
+        whole::output(estimator, (clip, frame), threads).await.map(|(output, _)| output)
     }
 }
 

@@ -8,8 +8,8 @@ use motionscope_core::products::{EPE, PSNR, metrics};
 use motionscope_core::run::AnyEstimator;
 use serde_json::{Value, json};
 
-use crate::experiment::comparison::{ComparedEstimator, Conditions, Row, columns, markdown_table};
-use crate::work;
+use crate::experiment::comparison::{ComparedEstimator, Conditions, Row, columns, markdown_table, run_on};
+use crate::experiment::whole;
 
 /// The three searches, in the order of the course's table.
 const IDS: [&str; 3] = ["full-search", "quadrant-search", "hierarchical"];
@@ -296,8 +296,7 @@ async fn large_motion(conditions: &Conditions<'_>, stop: &Stop) -> Result<[Cours
     searches[2].set("levels", &levels.to_string())?;
     let found = each(&searches, async |search| {
         stop.check()?;
-        work::breathe().await;
-        kept_in_pan(&**search, (clip, frame), pan_px, conditions.threads)
+        kept_in_pan(&**search, (clip, frame), pan_px, &run_on(conditions.threads)).await
     })
     .await?;
     let shares = found.map(|(share, _)| 100.0 * share);
@@ -342,8 +341,8 @@ async fn large_motion(conditions: &Conditions<'_>, stop: &Stop) -> Result<[Cours
 async fn small_motion(conditions: &Conditions<'_>, stop: &Stop) -> Result<CourseRow, Error> {
     let found = each(&three(&[])?, async |search| {
         stop.check()?;
-        work::breathe().await;
-        kept_in_pan(&**search, (conditions.clip, conditions.frame), SMALL_PAN_PX, conditions.threads)
+        let pair = (conditions.clip, conditions.frame);
+        kept_in_pan(&**search, pair, SMALL_PAN_PX, &run_on(conditions.threads)).await
     })
     .await?;
     let [(sequential, _), (_, logarithmic), (_, hierarchical)] = found;
@@ -435,10 +434,10 @@ async fn robustness(
         Some(truth) => {
             let shares = each(&three(&[])?, async |search| {
                 stop.check()?;
-                work::breathe().await;
+                let (calm, _) = whole::output(&**search, (clip, frame), threads).await?;
                 let disturbed = disturbed(clip, frame, disturbance)?;
-                let calm = right(search.run(clip, frame, threads)?.flow(), &truth)?;
-                Ok([calm, right(search.run(&disturbed, 0, threads)?.flow(), &truth)?])
+                let (shaken, _) = whole::output(&**search, (&disturbed, 0), threads).await?;
+                Ok([right(calm.flow(), &truth)?, right(shaken.flow(), &truth)?])
             })
             .await?;
             let what = format!("pixels in % within 1 px of the true motion, without → with {condition}");

@@ -15,6 +15,7 @@ pub mod source;
 pub mod suitability;
 pub mod sweeps;
 pub mod travel;
+pub mod whole;
 
 use std::sync::Arc;
 

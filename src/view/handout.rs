@@ -154,7 +154,7 @@ impl Handout {
     ///
     /// # Errors
     /// If its run cannot start or breaks off, its words do not fit on a sheet, or the work was cancelled.
-    pub fn add(
+    pub async fn add(
         &mut self,
         words: &Words<'_>,
         stand: Stand<'_>,
@@ -163,7 +163,7 @@ impl Handout {
     ) -> Result<(), Error> {
         let last = goal.until.filter(|_| self.options.answers);
         let stand = Stand { cursor: last.unwrap_or(stand.cursor), ..stand };
-        let moment = stand.seen(progress, |viewer, focus| viewer.moment(focus))?;
+        let moment = stand.seen(progress, |viewer, focus| viewer.moment(focus)).await?;
         let below = match (goal.asks, self.options.answers, last) {
             (true, false, _) => Below::Lines,
             (true, true, Some(_)) => Below::Answer,

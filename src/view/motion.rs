@@ -16,6 +16,7 @@ use motionscope_core::products::{Agreement, Confidence, Consistency, Motion as K
 use motionscope_core::run::{AnyEstimator, Beside, Walk};
 use motionscope_core::scene::{self, Fact, Quantity, Scene, Shape};
 
+use crate::experiment::whole;
 use crate::paint::{FlowLayer, LayerStyle, Pictures, Scalars, Tint, grouped};
 use crate::view::look::Look;
 use crate::view::tile::Tile;
@@ -363,9 +364,16 @@ fn drawn_flow(scene: &Scene) -> Option<&Grid<[f32; 2]>> {
 ///
 /// # Errors
 /// If a frame cannot be read, or the estimator cannot run.
-pub fn backward(estimator: &dyn AnyEstimator, clip: &Clip, t: usize) -> Result<Flow, Error> {
-    let flow = estimator.run(&clip.reversed(t)?, 0, &Threads::all()?)?.flow();
-    flow.ok_or_else(|| Error::new(format!("{} produces no flow for the forward–backward check", estimator.info().id)))
+pub async fn backward(estimator: &dyn AnyEstimator, clip: &Clip, t: usize) -> Result<Flow, Error> {
+    let (output, _) = whole::output(estimator, (&clip.reversed(t)?, 0), &Threads::all()?).await?;
+    checked_with(estimator, output)
+}
+
+/// The flow of the reverse pair.
+fn checked_with(estimator: &dyn AnyEstimator, reverse: Output) -> Result<Flow, Error> {
+    reverse
+        .flow()
+        .ok_or_else(|| Error::new(format!("{} produces no flow for the forward–backward check", estimator.info().id)))
 }
 
 /// The backward flow, computed on first use.
@@ -390,7 +398,8 @@ impl<'a> Reverse<'a> {
         if let Some(flow) = self.flow.get() {
             return Ok(flow);
         }
-        let flow = backward(self.estimator, self.clip, self.t)?;
+        let output = self.estimator.run(&self.clip.reversed(self.t)?, 0, &Threads::all()?)?;
+        let flow = checked_with(self.estimator, output)?;
         Ok(self.flow.get_or_init(|| flow))
     }
 }

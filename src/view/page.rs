@@ -11,6 +11,7 @@ use super::panes::{STAGE, Selection, charts};
 use super::rendering::{Format, Rendering};
 use crate::experiment::Prepared;
 use crate::experiment::pixel::Chosen;
+use crate::experiment::travel::travel;
 use crate::media::Progress;
 use crate::paint::charts::prose::{Prose, lay_out};
 use crate::paint::charts::{Canvas, Level, Type};
@@ -55,7 +56,7 @@ impl Stand<'_> {
     ///
     /// # Errors
     /// If the run cannot start or breaks off, the pixel cannot be explained, or the work was cancelled.
-    pub(super) fn seen<T>(
+    pub(super) async fn seen<T>(
         &self,
         progress: Option<&dyn Progress>,
         take: impl FnOnce(&mut Viewer<'_>, Option<Focus>) -> Result<T, Error>,
@@ -65,7 +66,7 @@ impl Stand<'_> {
         let mut viewer = Viewer::new(experiment, clip, look, &reverse)?;
         viewer.freehand.clone_from(freehand);
         let is_wanted = || !progress.is_some_and(|progress| progress.cancelled());
-        if !viewer.walk.jump_while(Move::To(*cursor), &is_wanted) {
+        if !travel(&mut *viewer.walk, Move::To(*cursor), &is_wanted).await {
             return Err(Error::new("saving was cancelled"));
         }
         if let Some(failure) = viewer.walk.failure() {
@@ -86,9 +87,9 @@ impl Words<'_> {
     ///
     /// # Errors
     /// If the run cannot start or breaks off, or the picture would be larger than can be written.
-    pub fn encode(&self, stand: &Stand<'_>, format: Format, scale: u32) -> Result<Vec<u8>, Error> {
+    pub async fn encode(&self, stand: &Stand<'_>, format: Format, scale: u32) -> Result<Vec<u8>, Error> {
         let (estimator, look) = (stand.estimator(), &stand.look);
-        let moment = stand.seen(None, |viewer, focus| viewer.moment(focus))?;
+        let moment = stand.seen(None, |viewer, focus| viewer.moment(focus)).await?;
         let first = charts(&moment.step, estimator.charts()).into_iter().next();
         let panes = Selection { panes: [Some(&STAGE), first].into_iter().flatten().collect(), ..Selection::default() };
         let rendering = Rendering { moment: &moment, estimator, look, panes: &panes };

@@ -9,6 +9,9 @@ use std::task::{Context, Poll, Wake};
 use std::thread::{self, JoinHandle, Thread};
 use std::time::{Duration, Instant};
 
+/// Whether tasks share one thread, in slices.
+pub const IS_SLICED: bool = false;
+
 /// How long a task works before it reports its progress.
 pub const SLICE: Duration = Duration::from_millis(30);
 

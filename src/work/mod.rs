@@ -18,7 +18,7 @@ use std::pin::pin;
 
 #[cfg(not(target_arch = "wasm32"))]
 pub use platform::finish;
-pub use platform::{Ahead, SLICE, Task, breathe, in_order, sleep, spawn};
+pub use platform::{Ahead, IS_SLICED, SLICE, Task, breathe, in_order, sleep, spawn};
 pub use signal::Signal;
 
 /// Does `work`; a panic is an error with its payload.

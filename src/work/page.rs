@@ -14,6 +14,9 @@ use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::spawn_local;
 use web_time::Instant;
 
+/// Whether tasks share one thread, in slices.
+pub const IS_SLICED: bool = true;
+
 /// How long all tasks work before the page draws and takes input.
 pub const SLICE: Duration = Duration::from_millis(8);
 

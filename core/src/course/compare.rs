@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::estimator;
-use crate::base::{Error, Threads};
+use crate::base::Error;
 use crate::data::{Clip, Frame};
 use crate::geometry::Gray;
 use crate::params::{Spec, Value};
@@ -69,32 +69,41 @@ pub struct BlockFigures {
     pub count: usize,
 }
 
+/// Runs an estimator on a pair of frames to its end: at once, or between other work.
+pub trait Run: AsyncFn(&dyn AnyEstimator, &Clip, usize) -> Result<Output, Error> {}
+
+impl<F: AsyncFn(&dyn AnyEstimator, &Clip, usize) -> Result<Output, Error>> Run for F {}
+
 impl Figures {
-    /// Computes the figures of `estimator`, whose run on frames `frame` and `frame + 1` of `clip` is `ran`.
+    /// Computes the figures of `estimator`, whose run on frames `frame` and `frame + 1` of `clip` is `ran`; all other runs that they
+    /// need are done by `run`.
     ///
     /// # Errors
     /// If the estimator cannot run there, or a frame cannot be read.
-    pub fn of(
+    pub async fn of(
         estimator: &dyn AnyEstimator,
         RunSummary { output, extent, .. }: &RunSummary,
         (clip, frame): (&Clip, usize),
-        threads: &Threads,
+        run: &impl Run,
     ) -> Result<Self, Error> {
         let has_displacements = output.displacements().is_some();
-        let kept = |disturbance| -> Result<Option<f64>, Error> {
+        let kept = async |disturbance| -> Result<Option<f64>, Error> {
             if !has_displacements {
                 return Ok(None);
             }
             let disturbed = disturbed(clip, frame, disturbance)?;
-            Ok(kept(output, &estimator.run(&disturbed, 0, threads)?, [0.0; 2]))
+            Ok(kept(output, &run(estimator, &disturbed, 0).await?, [0.0; 2]))
         };
-        let blocks = |tested: Vec<_>| BlockFigures::of(estimator, &tested, (clip, frame), threads);
+        let blocks = match output.tested() {
+            Some(tested) => Some(BlockFigures::of(estimator, &tested, (clip, frame), run).await?),
+            None => None,
+        };
         Ok(Self {
             memory_bytes: extent.memory_bytes,
-            kept_in_noise: kept(Disturbance::Noise)?,
-            kept_in_light: kept(Disturbance::Light)?,
+            kept_in_noise: kept(Disturbance::Noise).await?,
+            kept_in_light: kept(Disturbance::Light).await?,
             units: extent.units,
-            blocks: output.tested().map(blocks).transpose()?,
+            blocks,
         })
     }
 
@@ -106,16 +115,16 @@ impl Figures {
 }
 
 impl BlockFigures {
-    fn of(
+    async fn of(
         estimator: &dyn AnyEstimator,
         tested: &[Option<Tested>],
         (clip, frame): (&Clip, usize),
-        threads: &Threads,
+        run: &impl Run,
     ) -> Result<Self, Error> {
         let missed = if has_price(estimator) {
             None
         } else {
-            let best = full_search_like(estimator)?.run(clip, frame, threads)?;
+            let best = run(&*full_search_like(estimator)?, clip, frame).await?;
             best.tested().map(|best| missed(tested, &best))
         };
         Ok(Self {
@@ -134,15 +143,15 @@ impl BlockFigures {
 
 /// Returns the share of the blocks that `estimator` finds within 1 px under an additional camera pan of `pan_px` between frames
 /// `frame` and `frame + 1` of `clip`, and the mean number of candidates per block. The reference is full search within ±16 px
-/// without the pan.
+/// without the pan. The runs are done by `run`.
 ///
 /// # Errors
 /// If the picture is not wider than the pan, or the estimator cannot run there.
-pub fn kept_in_pan(
+pub async fn kept_in_pan(
     estimator: &dyn AnyEstimator,
     (clip, frame): (&Clip, usize),
     pan_px: usize,
-    threads: &Threads,
+    run: &impl Run,
 ) -> Result<(f64, f64), Error> {
     let [current, next] = clip.pair(frame)?;
     if current.size() != next.size() || current.size().0 <= pan_px {
@@ -150,15 +159,13 @@ pub fn kept_in_pan(
             "the picture is not wider than the camera pan of {pan_px} px; choose a larger clip"
         )));
     }
-    let run = |estimator: &dyn AnyEstimator, pair: [&Gray; 2]| {
-        let pair = pair.map(|picture| Frame::gray(picture.clone()));
-        estimator.run(&Clip::from_frames("pan", pair.into())?, 0, threads)
-    };
+    let clip_of = |pair: [&Gray; 2]| Clip::from_frames("pan", pair.map(|picture| Frame::gray(picture.clone())).into());
     let cut = |frame: &Arc<Frame>, left| disturb::cut(frame.luma(), left, current.size().0 - pan_px);
     let (here, still, panned) = (cut(&current, pan_px), cut(&next, pan_px), cut(&next, 0));
     let mut full = full_search_like(estimator)?;
     full.set("search-range", "16")?;
-    let (still, moved) = (run(&*full, [&here, &still])?, run(estimator, [&here, &panned])?);
+    let still = run(&*full, &clip_of([&here, &still])?, 0).await?;
+    let moved = run(estimator, &clip_of([&here, &panned])?, 0).await?;
     let candidates = moved.tested().map_or(0.0, |tested| candidates_mean(&tested));
     let kept = kept(&still, &moved, [pan_px as f32, 0.0]).ok_or_else(|| {
         Error::new(format!(
@@ -230,11 +237,29 @@ fn kept(a: &Output, b: &Output, shift: [f32; 2]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use std::task::{Context, Poll, Waker};
+
     use super::*;
+    use crate::base::Threads;
     use crate::course::estimators;
     use crate::geometry::Grid;
     use crate::products::BlockField;
     use crate::run::{Cursor, Move};
+
+    const RUN: fn(&dyn AnyEstimator, &Clip, usize) -> std::future::Ready<Result<Output, Error>> =
+        |estimator, clip, frame| std::future::ready(estimator.run(clip, frame, &Threads::single()));
+
+    /// What work amounts to that never waits.
+    fn at_once<T>(work: impl Future<Output = T>) -> T {
+        match std::pin::pin!(work).poll(&mut Context::from_waker(Waker::noop())) {
+            Poll::Ready(done) => done,
+            Poll::Pending => unreachable!("it runs at once"),
+        }
+    }
+
+    fn figures(estimator: &dyn AnyEstimator, ran: &RunSummary, clip: &Clip) -> Figures {
+        at_once(Figures::of(estimator, ran, (clip, 0), &RUN)).expect("figures")
+    }
 
     fn clip() -> Clip {
         crate::synth::make(crate::synth::SCENES[0].id, &crate::synth::SCENES[0].difficulty()).expect("a scene")
@@ -270,7 +295,7 @@ mod tests {
         let (clip, threads) = (clip(), Threads::single());
         for estimator in estimators() {
             let run = estimator.run_counted(&clip, 0, &threads).expect("a run");
-            let figures = Figures::of(&*estimator, &run, (&clip, 0), &threads).expect("figures");
+            let figures = figures(&*estimator, &run, &clip);
             let output = run.output;
             let id = estimator.info().id;
             for kept in [figures.kept_in_noise, figures.kept_in_light] {
@@ -301,11 +326,11 @@ mod tests {
 
     #[test]
     fn a_pan_is_found_by_whoever_looks_far_enough() {
-        let (clip, threads) = (clip(), Threads::single());
+        let clip = clip();
         let kept = |id: &str, range: &str, pan_px| {
             let mut search = estimator(id).expect("it");
             search.set("search-range", range).expect("in range");
-            kept_in_pan(&*search, (&clip, 0), pan_px, &threads).map(|(share, _)| share)
+            at_once(kept_in_pan(&*search, (&clip, 0), pan_px, &RUN)).map(|(share, _)| share)
         };
         assert_eq!(kept("full-search", "16", 0), Ok(1.0));
         assert_eq!(kept("full-search", "16", 40), Ok(0.0));
@@ -319,7 +344,7 @@ mod tests {
         let mut diamond = estimator("diamond").expect("it");
         diamond.set("lambda", "4").expect("it has one");
         let run = diamond.run_counted(&clip, 0, &threads).expect("a run");
-        let figures = Figures::of(&*diamond, &run, (&clip, 0), &threads).expect("figures");
+        let figures = figures(&*diamond, &run, &clip);
         let missed = figures.blocks.as_ref().and_then(BlockFigures::missed_share);
         assert_eq!((missed, figures.first_missed_unit()), (None, None));
     }
@@ -330,7 +355,7 @@ mod tests {
         let clip = Clip::from_frames("flat", vec![flat(90), flat(90)]).expect("a clip");
         let (full, threads) = (estimator("full-search").expect("it"), Threads::single());
         let run = full.run_counted(&clip, 0, &threads).expect("a run");
-        let figures = Figures::of(&*full, &run, (&clip, 0), &threads).expect("figures");
+        let figures = figures(&*full, &run, &clip);
         let missed = figures.blocks.as_ref().and_then(BlockFigures::missed_share);
         assert_eq!((figures.kept_in_light, missed), (Some(1.0), Some(0.0)));
     }

@@ -3,7 +3,7 @@
 use std::any::Any;
 
 use super::{Estimator, Footprint, Guarantee, Info, Need, Progress, StageView, Timeline, Walk, need};
-use crate::base::{Count, Error, Threads, heap};
+use crate::base::{Count, Error, Tally, Threads, heap};
 use crate::data::Clip;
 use crate::params::Params;
 use crate::products::{Output, ProductKind};
@@ -54,6 +54,14 @@ pub struct RunSummary {
     pub causal: Option<Output>,
     /// The size.
     pub extent: Extent,
+}
+
+impl RunSummary {
+    fn of<E: Estimator>(estimator: &E, state: &E::State, count: &Count) -> Self {
+        let extent =
+            Extent { units: count.units(), events: count.events(), memory_bytes: estimator.memory_bytes(state) };
+        Self { causal: estimator.causal(state), output: estimator.output(state), extent }
+    }
 }
 
 /// An estimator of any type, as the window and the command line hold it.
@@ -142,6 +150,12 @@ pub trait AnyEstimator: Params + Send + Sync {
     /// If the clip, the frame or the parameters do not allow a run.
     fn begin(&self, clip: &Clip, frame: usize) -> Result<Box<dyn AnyRun>, Error>;
 
+    /// The same with its size counted on the way.
+    ///
+    /// # Errors
+    /// As [`AnyEstimator::begin`].
+    fn begin_counted(&self, clip: &Clip, frame: usize) -> Result<Box<dyn AnyRun>, Error>;
+
     /// The size of a whole run, without its result.
     ///
     /// # Errors
@@ -168,6 +182,9 @@ pub trait AnyRun: Send {
     /// The products so far.
     fn output(&self) -> Output;
 
+    /// The products and the size so far, if the size is counted.
+    fn summary(&self) -> Option<RunSummary>;
+
     /// Memory that its state takes with all that is shared, in bytes.
     fn bytes(&self) -> usize;
 }
@@ -177,16 +194,37 @@ struct Running<E: Estimator> {
     estimator: E,
     clip: Clip,
     state: E::State,
+    count: Option<Count>,
+}
+
+impl<E: Estimator> Running<E> {
+    fn begin(estimator: &E, clip: &Clip, frame: usize, count: Option<Count>) -> Result<Box<dyn AnyRun>, Error> {
+        check_pictures::<E>(clip)?;
+        check_memory(estimator, clip, |need| need.run)?;
+        let state = estimator.start(clip, frame)?;
+        Ok(Box::new(Self { estimator: estimator.clone(), clip: clip.clone(), state, count }))
+    }
 }
 
 impl<E: Estimator> AnyRun for Running<E> {
     fn advance(&mut self) -> Result<Progress, Error> {
-        self.clip.wanted()?;
-        self.estimator.advance(&self.clip, &mut self.state, &mut ())
+        let Self { estimator, clip, state, count } = self;
+        clip.wanted()?;
+        match count {
+            Some(count) => {
+                Tally::<E::Event>::add_units(count, 1);
+                estimator.advance(clip, state, &mut Tally::<E::Event>::counter(count))
+            }
+            None => estimator.advance(clip, state, &mut ()),
+        }
     }
 
     fn output(&self) -> Output {
         self.estimator.output(&self.state)
+    }
+
+    fn summary(&self) -> Option<RunSummary> {
+        self.count.as_ref().map(|count| RunSummary::of(&self.estimator, &self.state, count))
     }
 
     fn bytes(&self) -> usize {
@@ -269,15 +307,15 @@ impl<E: Estimator> AnyEstimator for E {
         check_run(self, clip)?;
         let count = Count::default();
         let state = Estimator::run(self, clip, frame, threads, &count)?;
-        let extent = Extent { units: count.units(), events: count.events(), memory_bytes: self.memory_bytes(&state) };
-        Ok(RunSummary { causal: Estimator::causal(self, &state), output: self.output(&state), extent })
+        Ok(RunSummary::of(self, &state, &count))
     }
 
     fn begin(&self, clip: &Clip, frame: usize) -> Result<Box<dyn AnyRun>, Error> {
-        check_pictures::<E>(clip)?;
-        check_memory(self, clip, |need| need.run)?;
-        let state = self.start(clip, frame)?;
-        Ok(Box::new(Running { estimator: self.clone(), clip: clip.clone(), state }))
+        Running::begin(self, clip, frame, None)
+    }
+
+    fn begin_counted(&self, clip: &Clip, frame: usize) -> Result<Box<dyn AnyRun>, Error> {
+        Running::begin(self, clip, frame, Some(Count::default()))
     }
 
     fn evaluations(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Vec<u32>, Error> {

@@ -14,6 +14,7 @@ use crate::view::look::Look;
 use crate::view::page::{Stand, Words};
 use crate::view::paper::THEME;
 use crate::view::worksheet::About;
+use crate::work;
 
 /// What is asked about the files that a page reads, before anything of it is computed.
 pub type Guard<'a> = &'a dyn Fn(&Inputs) -> Result<(), Error>;
@@ -47,17 +48,17 @@ impl Printed {
 ///
 /// # Errors
 /// One sentence that names the page, or if the work was cancelled.
-pub fn handout(
+pub async fn handout(
     lesson: &Lesson,
     options: Options,
     guard: Guard<'_>,
     progress: Option<&dyn Progress>,
 ) -> Result<Vec<u8>, Error> {
-    filled(lesson, options, guard, progress)?.encode()
+    filled(lesson, options, guard, progress).await?.encode()
 }
 
 /// The handout with all pages.
-fn filled(
+async fn filled(
     lesson: &Lesson,
     options: Options,
     guard: Guard<'_>,
@@ -67,7 +68,9 @@ fn filled(
     let count = lesson.pages.len();
     let mut handout = Handout::new(&lesson.title, options);
     for number in 1..=count {
-        add(&mut handout, (lesson, number), guard, progress).map_err(|why| named(why, (lesson, number), progress))?;
+        work::breathe().await;
+        let added = add(&mut handout, (lesson, number), guard, progress).await;
+        added.map_err(|why| named(why, (lesson, number), progress))?;
         if let Some(progress) = progress {
             progress.report(number as f32 / count as f32);
         }
@@ -76,7 +79,7 @@ fn filled(
 }
 
 /// Adds the page with this number, from 1.
-fn add(
+async fn add(
     handout: &mut Handout,
     (lesson, number): (&Lesson, usize),
     guard: Guard<'_>,
@@ -86,7 +89,7 @@ fn add(
     let printed = Printed::open(page, guard)?;
     let prose = page.words.as_ref().map_err(Clone::clone)?;
     let words = Words { lesson: &lesson.title, title: &page.title, number: [number, lesson.pages.len()], prose };
-    handout.add(&words, printed.stand(), Goal { asks: page.asks(), until: page.until }, progress)
+    handout.add(&words, printed.stand(), Goal { asks: page.asks(), until: page.until }, progress).await
 }
 
 /// What went wrong with a page, with its name, unless the work was cancelled.
@@ -98,18 +101,18 @@ fn named(why: Error, (lesson, number): (&Lesson, usize), progress: Option<&dyn P
 ///
 /// # Errors
 /// If there is no such page, it is wrong, its step computes nothing that can be asked for, or the work was cancelled.
-pub fn worksheet(
+pub async fn worksheet(
     (lesson, index): (&Lesson, usize),
     answers: bool,
     guard: Guard<'_>,
     progress: Option<&dyn Progress>,
 ) -> Result<Vec<u8>, Error> {
     let page = lesson.page(index)?;
-    encoded(lesson, page, answers, (guard, progress)).map_err(|why| named(why, (lesson, index + 1), progress))
+    encoded(lesson, page, answers, (guard, progress)).await.map_err(|why| named(why, (lesson, index + 1), progress))
 }
 
 /// The worksheet of a page of `lesson`.
-fn encoded(
+async fn encoded(
     lesson: &Lesson,
     page: &Page,
     answers: bool,
@@ -122,7 +125,7 @@ fn encoded(
     let freehand = if answers { stand.freehand } else { Freehand::default() };
     let stand = Stand { cursor: page.until.unwrap_or(stand.cursor), freehand, ..stand };
     let title = format!("{} · {}", lesson.title, page.title);
-    About { title: &title, prose: Some(prose), answers }.encode(&stand, progress)
+    About { title: &title, prose: Some(prose), answers }.encode(&stand, progress).await
 }
 
 #[cfg(test)]

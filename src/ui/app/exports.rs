@@ -126,12 +126,12 @@ impl App {
             }
             OutputKind::Handout(_) => {
                 let Some(lesson) = self.course.lesson.as_ref().map(|open| open.lesson().clone()) else { return };
-                Box::new(move |order, progress| Box::pin(async move { paper::handout(order, &lesson, progress) }))
+                Box::new(move |order, progress| Box::pin(async move { paper::handout(order, &lesson, progress).await }))
             }
             OutputKind::Worksheet { .. } => {
                 let page = self.course.printed_page(&shown);
                 Box::new(move |order, progress| {
-                    Box::pin(async move { paper::worksheet(order, &shown, page.as_ref(), progress) })
+                    Box::pin(async move { paper::worksheet(order, &shown, page.as_ref(), progress).await })
                 })
             }
             OutputKind::Session => {

@@ -29,7 +29,7 @@ pub struct OfPage {
 ///
 /// # Errors
 /// If a page cannot be shown, the file cannot be written, or the work was cancelled.
-pub fn handout(order: &Order, lesson: &Lesson, progress: &dyn Progress) -> Result<String, Error> {
+pub async fn handout(order: &Order, lesson: &Lesson, progress: &dyn Progress) -> Result<String, Error> {
     let OutputKind::Handout(options) = order.what else { return Err(Error::new("this is no handout")) };
     let name = order.path.file_name().unwrap_or(order.path.as_os_str()).to_string_lossy();
     let guard = |inputs: &Inputs| {
@@ -37,7 +37,7 @@ pub fn handout(order: &Order, lesson: &Lesson, progress: &dyn Progress) -> Resul
         let refused = |why: String| Error::new(format!("{name} {why}; choose {}", target.other()));
         export::check(inputs, &[target]).map_err(|conflict| refused(conflict.why))
     };
-    let pdf = handout::handout(lesson, options, &guard, Some(progress))?;
+    let pdf = handout::handout(lesson, options, &guard, Some(progress)).await?;
     saved(order, &pdf)
 }
 
@@ -45,7 +45,7 @@ pub fn handout(order: &Order, lesson: &Lesson, progress: &dyn Progress) -> Resul
 ///
 /// # Errors
 /// If the step computes nothing that can be left out, the file cannot be written, or the work was cancelled.
-pub fn worksheet(
+pub async fn worksheet(
     order: &Order,
     shown: &Snapshot,
     page: Option<&OfPage>,
@@ -62,7 +62,7 @@ pub fn worksheet(
     };
     let title = page.map_or(shown.subject.experiment.info().name, |page| &page.title);
     let about = About { title, prose: page.map(|page| &page.prose), answers };
-    saved(order, &about.encode(&stand, Some(progress))?)
+    saved(order, &about.encode(&stand, Some(progress)).await?)
 }
 
 fn saved(order: &Order, pdf: &[u8]) -> Result<String, Error> {

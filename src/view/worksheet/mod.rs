@@ -28,7 +28,7 @@ use motionscope_core::scene::{Focus, Step};
 
 use self::blanks::{Asked, Exercise};
 use self::numbers::Fill;
-use super::moment::Moment;
+use super::moment::{Moment, Viewer};
 use super::page::Stand;
 use crate::media::Progress;
 use crate::paint::charts::prose::Prose;
@@ -54,16 +54,16 @@ impl About<'_> {
     ///
     /// # Errors
     /// As [`About::sheets`].
-    pub fn encode(&self, stand: &Stand<'_>, progress: Option<&dyn Progress>) -> Result<Vec<u8>, Error> {
-        export_sheets(self.title, &self.sheets(stand, progress)?)
+    pub async fn encode(&self, stand: &Stand<'_>, progress: Option<&dyn Progress>) -> Result<Vec<u8>, Error> {
+        export_sheets(self.title, &self.sheets(stand, progress).await?)
     }
 
     /// The sheets of the worksheet of the step at `stand`.
     ///
     /// # Errors
     /// If the run cannot start or breaks off, the step computes nothing that can be asked for, or the work was cancelled.
-    pub fn sheets(&self, stand: &Stand<'_>, progress: Option<&dyn Progress>) -> Result<Vec<Sheet>, Error> {
-        stand.seen(progress, |viewer, focus| {
+    pub async fn sheets(&self, stand: &Stand<'_>, progress: Option<&dyn Progress>) -> Result<Vec<Sheet>, Error> {
+        let sheets = |viewer: &mut Viewer<'_>, focus| {
             let moment = viewer.moment(focus)?;
             let step = asked(&moment).clone();
             let earlier = steps_before(&mut *viewer.walk, focus, windows::steps_before(&step));
@@ -79,7 +79,8 @@ impl About<'_> {
                 return Err(Error::new(why));
             }
             Ok(sheet::Content { about: *self, stand, moment: &moment, step: &step, exercise: &exercise }.sheets())
-        })
+        };
+        stand.seen(progress, sheets).await
     }
 }
 

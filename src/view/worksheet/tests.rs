@@ -17,6 +17,7 @@ use crate::paint::{Freehand, Placed, Primitive};
 use crate::view::look::Look;
 use crate::view::paper::THEME;
 use crate::view::samples::{InUnit, last, sample, steps, translated};
+use crate::work;
 
 motionscope_core::variables! {
     /// A number.
@@ -180,7 +181,7 @@ fn answers_are_left_out_and_the_words_of_the_page_do_not_tell_them() {
         let prose = Prose(vec![said("Given words.".into()), said(format!("Telling words: {number}."))]);
         let sheets = |answers: bool| {
             let about = About { title: &title, prose: Some(&prose), answers };
-            about.sheets(&stand, None).unwrap_or_else(|why| panic!("{id}: {why}"))
+            work::finish(about.sheets(&stand, None)).unwrap_or_else(|why| panic!("{id}: {why}"))
         };
         let (left_out, solved) = (words(&sheets(false)), words(&sheets(true)));
         let text = |words: &[(f32, String)]| words.iter().map(|(_, words)| format!("{words}\n")).collect::<String>();
@@ -217,7 +218,7 @@ fn a_step_without_results_is_refused_with_what_to_do() {
         freehand: Freehand::default(),
     };
     let about = About { title: "", prose: None, answers: false };
-    let refused = about.sheets(&stand, None).expect_err("no results").to_string();
+    let refused = work::finish(about.sheets(&stand, None)).expect_err("no results").to_string();
     assert!(refused.contains("choose a step"), "{refused}");
 }
 
@@ -226,7 +227,8 @@ fn sheets(prepared: &Prepared, cursor: &str, answers: bool) -> Vec<Sheet> {
     let cursor: Cursor = cursor.parse().expect("a cursor");
     let look = Look { theme: THEME, ..Look::default() };
     let stand = Stand { prepared, cursor, pixel: None, look, freehand: Freehand::default() };
-    About { title: "", prose: None, answers }.sheets(&stand, None).unwrap_or_else(|why| panic!("{why}"))
+    let about = About { title: "", prose: None, answers };
+    work::finish(about.sheets(&stand, None)).unwrap_or_else(|why| panic!("{why}"))
 }
 
 /// The text of some sheets.
@@ -336,7 +338,7 @@ fn the_words_of_a_page_do_not_tell_a_decision() {
     let parts = ["Gates reject outliers.", "This one was accepted.", "The gate is 9.21 here."];
     let prose = Prose(parts.map(|part| said(part.into())).to_vec());
     let about = About { title: "", prose: Some(&prose), answers: false };
-    let shown = text_of_sheets(&about.sheets(&stand, None).expect("a decision"));
+    let shown = text_of_sheets(&work::finish(about.sheets(&stand, None)).expect("a decision"));
     assert!(shown.contains(parts[0]) && !shown.contains(parts[1]) && !shown.contains(parts[2]), "{shown}");
 }
 
@@ -352,9 +354,9 @@ fn a_question_whose_answer_is_always_the_same_in_the_first_unit_is_not_asked_the
         freehand: Freehand::default(),
     };
     let about = About { title: "", prose: None, answers: false };
-    let refused = about.sheets(&stand(0), None).expect_err("nothing else is asked for").to_string();
+    let refused = work::finish(about.sheets(&stand(0), None)).expect_err("nothing else is asked for").to_string();
     assert!(refused.contains("nothing to compute or decide"), "{refused}");
-    let asked = words(&about.sheets(&stand(1), None).expect("a decision"));
+    let asked = words(&work::finish(about.sheets(&stand(1), None)).expect("a decision"));
     assert!(asked.iter().any(|(_, words)| words.contains("Does the tracker report")), "{asked:?}");
 }
 

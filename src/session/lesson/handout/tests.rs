@@ -37,7 +37,8 @@ fn cut(placed: &Placed) -> Vec<String> {
 }
 
 fn faults(lesson: &Lesson, options: Options) -> Vec<String> {
-    let handout = filled(lesson, options, &|_| Ok(()), None).unwrap_or_else(|why| panic!("{}: {why}", lesson.slug));
+    let handout =
+        work::finish(filled(lesson, options, &|_| Ok(()), None)).unwrap_or_else(|why| panic!("{}: {why}", lesson.slug));
     let sheets = handout.into_sheets();
     // A page with many words has a sheet of its own.
     let least = lesson.pages.len().div_ceil(options.per_sheet.count());
@@ -99,11 +100,15 @@ fn words_without_room_get_a_sheet_or_are_refused() {
     let options = Options { per_sheet: PerSheet::Four, answers: false };
     let (short, long) = (wordy(&[10, 10, 10]), wordy(&[10, 500, 10]));
     let count = |lesson: &Lesson| {
-        filled(lesson, options, &|_| Ok(()), None).unwrap_or_else(|why| panic!("{why}")).into_sheets().len()
+        work::finish(filled(lesson, options, &|_| Ok(()), None))
+            .unwrap_or_else(|why| panic!("{why}"))
+            .into_sheets()
+            .len()
     };
     assert_eq!([count(&short), count(&long)], [1, 3], "the long page has a sheet of its own");
     assert_eq!(faults(&long, options), Vec::<String>::new());
-    let refused = filled(&wordy(&[10, 1500]), options, &|_| Ok(()), None).err().map(|why| why.to_string());
+    let refused =
+        work::finish(filled(&wordy(&[10, 1500]), options, &|_| Ok(()), None)).err().map(|why| why.to_string());
     let refused = refused.expect("more than a sheet");
     assert!(refused.starts_with("page 2 of Wordy: ") && refused.contains("do not fit"), "{refused}");
 }
@@ -129,7 +134,7 @@ fn a_worksheet_has_the_ink_of_its_page_with_answers_alone() {
     let line = FreehandLine { step, member: 0, on: Picture::CURRENT.into(), color: PenColor::Vermilion, points };
     inked.pages[index].session.as_mut().expect("a page of the course").freehand.lines.push(line);
     let sheet = |lesson: &Lesson, answers: bool| {
-        worksheet((lesson, index), answers, &|_| Ok(()), None).unwrap_or_else(|why| panic!("{why}"))
+        work::finish(worksheet((lesson, index), answers, &|_| Ok(()), None)).unwrap_or_else(|why| panic!("{why}"))
     };
     assert!(sheet(plain, false) == sheet(&inked, false), "ink where results are left out");
     assert!(sheet(plain, true) != sheet(&inked, true), "no ink beside the answers");
@@ -137,7 +142,8 @@ fn a_worksheet_has_the_ink_of_its_page_with_answers_alone() {
 
 #[test]
 fn a_worksheet_that_cannot_be_made_names_its_page() {
-    let refused = worksheet((&wordy(&[3]), 0), false, &|_| Ok(()), None).expect_err("no results").to_string();
+    let refused =
+        work::finish(worksheet((&wordy(&[3]), 0), false, &|_| Ok(()), None)).expect_err("no results").to_string();
     assert!(refused.starts_with("page 1 of Wordy: "), "{refused}");
 }
 
@@ -150,7 +156,7 @@ fn a_lesson_has_as_many_pages_on_a_sheet_as_are_asked_for_and_its_answers() {
     assert!(found.is_empty(), "{}", found.join("\n"));
     let text = |answers: bool| {
         let options = Options { answers, ..Options::default() };
-        let handout = filled(lesson, options, &|_| Ok(()), None).expect("a lesson of the course");
+        let handout = work::finish(filled(lesson, options, &|_| Ok(()), None)).expect("a lesson of the course");
         let figures = handout.into_sheets().into_iter().flat_map(|sheet| sheet.figures);
         figures.flat_map(|placed| words(&placed)).map(|(_, words)| words).collect::<Vec<_>>().join("\n")
     };

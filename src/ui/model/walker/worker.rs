@@ -166,7 +166,7 @@ impl<'a> Worker<'a> {
         let (subject, clip, shared) = (Arc::clone(&run.subject), run.clip.clone().until(stop), Arc::clone(self.shared));
         let check = async move || {
             let Experiment { estimator, frame, .. } = &subject.experiment;
-            let flow = work::caught(async { backward(&**estimator, &clip, *frame) }).await;
+            let flow = work::caught(backward(&**estimator, &clip, *frame)).await;
             let flow = flow.unwrap_or_else(|panic| Err(panicked(panic.as_ref())));
             shared.mailbox().backward = Some((subject, flow));
             shared.wake.notify();
