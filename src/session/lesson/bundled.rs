@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::OnceLock;
 
-use motionscope_core::base::Error;
+use motionscope_core::base::{Error, words};
 use motionscope_core::course::glossary::Chapter;
 
 use super::Lesson;
@@ -11,7 +11,7 @@ use super::Lesson;
 macro_rules! lessons {
     ($($file:literal: $chapter:ident),+ $(,)?) => {
         /// Names and texts of the files in `assets/lessons`.
-        const FILES: &[(&str, &str)] = &[$(($file, include_str!(concat!("../../../assets/lessons/", $file, ".md")))),+];
+        static FILES: &[(&str, &str)] = &[$(($file, include_str!(concat!("../../../assets/lessons/", $file, ".md")))),+];
         /// The chapter that each of them belongs to.
         const CHAPTERS: &[(&str, Chapter)] = &[$(($file, Chapter::$chapter)),+];
     };
@@ -70,7 +70,7 @@ fn slug(file: &str) -> &str {
 pub(super) fn find(slug: &str) -> Result<&'static Lesson, Error> {
     let unknown = || {
         let known: Vec<_> = all().iter().map(|lesson| lesson.slug.as_str()).collect();
-        Error::new(format!("there is no lesson {}; there are {}", Error::short_name(slug), known.join(", ")))
+        Error::new(words::there_is_no("lesson", &Error::short_name(slug).to_string(), &known))
     };
     all().iter().find(|lesson| lesson.slug == slug).ok_or_else(unknown)
 }

@@ -237,12 +237,21 @@ fn session(base: &Base, own: Keys, faults: &mut Vec<Error>) -> Option<Session> {
             }
         }
     };
-    let session = without_folders(session);
+    if session.sight.is_none() && keys.keys().any(|key| key.starts_with("sight.")) {
+        faults.push(Error::new("sight.center and sight.zoom name no part of a picture"));
+    }
+    let session = at_a_step(without_folders(session));
     let usual = Look::opening(session.experiment.estimator.shows_frame_alone());
     let look = Changes::from(usual).without("theme").then(&session.look);
     let drawn = base.session.as_ref().filter(|base| base.experiment == session.experiment);
     let freehand = drawn.map(|base| base.freehand.clone()).unwrap_or_default();
     Some(Session { look, freehand, ..session })
+}
+
+/// The same session at the step where it begins, if it names none: a link shows the same wherever its clip was left.
+fn at_a_step(mut session: Session) -> Session {
+    session.position.cursor.get_or_insert_default();
+    session
 }
 
 /// The same session with the names of its files alone.

@@ -178,7 +178,11 @@ impl App {
         }
         let Some((place, fragment)) = self.shown_place() else { return };
         let is_embedded = self.presentation.is_embedded;
-        let parts = if is_embedded { Parts::Embedded } else { Parts::All };
+        let parts = match self.presentation.is_on {
+            _ if is_embedded => Parts::Embedded,
+            true => Parts::Presented,
+            false => Parts::All,
+        };
         let Some((address, history)) = &mut self.links.address else { return };
         let fragment = if fragment.is_empty() { fragment } else { parts.added_to(fragment) };
         if let Some(entry) = history.note(place, &fragment, now) {

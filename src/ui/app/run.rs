@@ -36,6 +36,8 @@ pub(super) struct Run {
     pub played: f64,
     /// The last step of a page that playback may pass with the step that it is taking.
     pub approached: Option<Cursor>,
+    /// The step that a session or a link names, until the run has arrived there.
+    pub named: Option<Cursor>,
 }
 
 impl Run {
@@ -53,6 +55,7 @@ impl Run {
             last_lockstep: SideBySide::default(),
             played: 0.0,
             approached: None,
+            named: None,
         })
     }
 
@@ -100,6 +103,7 @@ impl Run {
     /// Moves, and plays no longer.
     pub fn go(&mut self, to: Move) {
         self.player.pause();
+        self.named = None;
         self.walker.go(to);
     }
 
@@ -150,6 +154,7 @@ impl App {
             self.panes.states.stage.placing = None;
         }
         self.tell_of_untested();
+        self.tell_of_step();
         // A clip that no run can be made of is not shown under another's name.
         let Run { view, document, .. } = &mut self.run;
         if view.refused.is_some() {
@@ -196,10 +201,20 @@ impl App {
         self.tell_of_frame(frame);
         self.look_as(&look, sight);
         let Position { cursor, held } = position;
+        self.run.named = cursor.filter(|cursor| *cursor != Cursor::END);
         let cursor = cursor.or_else(|| self.left_in_run()).unwrap_or_default();
         let job = self.run.document.job_at(Place { hold: Hold::Set(held), ..Place::at(cursor) });
         job.iter().for_each(|job| self.restore_ink(&job.subject, freehand.clone()));
         self.start(job);
+    }
+
+    /// Reports if the run ends, or its unit, before the step that the session names.
+    fn tell_of_step(&mut self) {
+        let Some(named) = self.run.named.take_if(|_| !self.run.view.busy) else { return };
+        let Some(shown) = self.run.view.shown.as_deref().map(|shown| shown.cursor) else { return };
+        if order(shown) < order(named) {
+            self.toasts.fail(format!("The run has no step {named}; step {shown} is shown instead."));
+        }
     }
 
     /// Reports if the clip has no pair that starts at the session's `frame`.
