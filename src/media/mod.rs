@@ -56,6 +56,7 @@ pub use picture::Contrast;
 pub(crate) use reason::{about, cannot_read};
 pub(crate) use sequence::is_called_truth;
 pub(crate) use size::{MAX_AREA_PX, MAX_SIDE_PX, check_size};
+pub(crate) use stereo::right_view;
 
 /// Refuses a path at which a pipe or a device lies instead of a file or a folder: opening one could block, or do something.
 ///

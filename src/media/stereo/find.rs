@@ -39,7 +39,7 @@ pub(crate) fn keep_left(sequence: &mut Sequence, given: &Given) {
         _ => false,
     };
     let cut = match files.as_slice() {
-        [left, right] if given.right.is_none() && namesake(left).as_ref() == Some(right) => Some(1),
+        [left, right] if given.right.is_none() && right_view(left).as_ref() == Some(right) => Some(1),
         _ => files.iter().position(is_given),
     };
     if let Some(cut) = cut.filter(|cut| *cut > 0) {
@@ -48,7 +48,7 @@ pub(crate) fn keep_left(sequence: &mut Sequence, given: &Given) {
 }
 
 /// The picture or video in the folder of `left` that is called like its right view.
-fn namesake(left: &Path) -> Option<PathBuf> {
+pub(crate) fn right_view(left: &Path) -> Option<PathBuf> {
     let (folder, name) = (parent(left), stem(left));
     let of_pair = |[from, to]: &[&str; 2]| (*from == name).then(|| (*to).to_owned());
     let is_stereo = || OF_STEREO.iter().any(|file| files::is_file(&folder.join(file)));
@@ -88,10 +88,10 @@ pub(super) fn right(left: &LeftView<'_>) -> Right {
         return Right::default();
     }
     let Some(first) = left.files.first() else {
-        let video = if files::is_file(path) { namesake(path) } else { None };
+        let video = if files::is_file(path) { right_view(path) } else { None };
         return Right { files: video.into_iter().collect(), incomplete: None };
     };
-    let beside: Option<Vec<_>> = left.files.iter().map(|file| namesake(file)).collect();
+    let beside: Option<Vec<_>> = left.files.iter().map(|file| right_view(file)).collect();
     if let Some(files) = beside {
         return Right { files, incomplete: None };
     }

@@ -24,7 +24,7 @@ use super::{Given, GivenCalibration, Open, RightView, Source, about, cache, stil
 use crate::files;
 
 use calibration::Cameras;
-pub(crate) use find::keep_left;
+pub(crate) use find::{keep_left, right_view};
 pub(crate) use halves::{Half, half};
 
 /// The right view of a clip.

@@ -81,12 +81,14 @@ impl App {
     }
 }
 
-/// The path to open for `files`: two pictures as a pair, in the order of their names; or else a session, a clip, or any file.
+/// The path to open for `files`: two pictures as a pair, in the order of their names, unless they are views of one moment; or else a
+/// session, a clip, or any file.
 pub(super) fn clip_of(mut files: Vec<PathBuf>) -> Option<OsString> {
     files.sort_by(|a, b| names::natural_order(&a.to_string_lossy(), &b.to_string_lossy()));
     let is_picture = |path: &PathBuf| is_file(path) && !Session::is_named(path) && !media::is_truth(path);
     if let [first, second] = files.as_slice()
         && [first, second].into_iter().all(is_picture)
+        && media::right_view(first).as_ref() != Some(second)
         && let Ok(pair) = Source::pair(first.as_os_str(), second.as_os_str())
     {
         return Some(pair);
@@ -106,11 +108,15 @@ fn clip_in(folder: &Path) -> Option<OsString> {
     if let Some(session) = all().find(|path| is_session(path)) {
         return Some(session.into());
     }
-    let clips =
-        |inner: &Path| -> Vec<PathBuf> { sorted(inner).into_iter().filter(|path| media::is_clip(path)).collect() };
+    // Benchmarks have pictures of ground truth as well, in the same folder or in one of their own.
+    let is_called_truth = |path: &Path| media::is_called_truth(&names::file_name(path));
+    let clips = |inner: &Path| -> Vec<PathBuf> {
+        let (truth, clips): (Vec<_>, Vec<_>) =
+            sorted(inner).into_iter().filter(|path| media::is_clip(path)).partition(|path| is_called_truth(path));
+        if clips.is_empty() { truth } else { clips }
+    };
     let holders = folders.iter().filter(|inner| !clips(inner).is_empty());
-    // Benchmarks have pictures of ground truth in folders of their own.
-    match holders.min_by_key(|inner| media::is_called_truth(&names::file_name(inner))) {
+    match holders.min_by_key(|inner| is_called_truth(inner)) {
         Some(inner) if inner != folder && media::holds_pictures(inner) => Some(inner.into()),
         Some(inner) => clip_of(clips(inner)),
         None => clip_of(all().collect()),
@@ -184,6 +190,9 @@ mod tests {
             (&["a/f1.png", "a/f2.png", "a/.f3.png", "a/flow/f1.flo"], "a"),
             (&["MOT/det/det.txt", "MOT/gt/gt.txt", "MOT/img1/1.png", "MOT/img1/2.png"], "MOT/img1"),
             (&["K/disp_occ/0_10.png", "K/image_2/0_10.png", "K/image_2/0_11.png", "K/image_3/0_10.png"], "K/image_2"),
+            (&["im2.png", "im6.png", "disp2.png", "disp6.png"], "im2.png"),
+            (&["im2.png", "disp2.png"], "im2.png"),
+            (&["mask1.png", "mask2.png"], "pair:mask1.png|mask2.png"),
             (&["gt.txt"], "gt.txt"),
         ] {
             assert_eq!(opened(names), wanted);
