@@ -8,6 +8,7 @@ mod dialogs;
 mod estimator;
 mod exports;
 mod find;
+mod finger;
 mod focus;
 mod frame;
 mod given;
@@ -41,6 +42,7 @@ use arrangement::PaneMemory;
 use camera::Recorder;
 use dialogs::Dialogs;
 use exports::Exports;
+use finger::Finger;
 use frame::STATES;
 use lessons::Course;
 use links::Links;
@@ -91,6 +93,7 @@ pub struct App {
     presentation: Presentation,
     recorder: Recorder,
     toasts: Toasts,
+    finger: Finger,
     /// Whether the keys that a new user has tried can be stored: otherwise a hint would return at each start.
     can_remember: bool,
     /// The interface that egui was told last.
@@ -122,6 +125,7 @@ impl App {
             presentation: Presentation::default(),
             recorder: Recorder::default(),
             toasts: Toasts::default(),
+            finger: Finger::default(),
             can_remember: storage.is_some(),
             styled: Some(interface),
             ctx: ctx.clone(),

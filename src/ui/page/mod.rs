@@ -5,7 +5,7 @@ mod announcer;
 mod failure;
 mod keys;
 
-use eframe::egui::{Ui, Visuals};
+use eframe::egui::{Context, RawInput, Ui, Visuals};
 use motionscope_core::base::heap;
 use wasm_bindgen::JsCast as _;
 use web_sys::HtmlCanvasElement;
@@ -56,6 +56,10 @@ struct Page {
 }
 
 impl eframe::App for Page {
+    fn raw_input_hook(&mut self, ctx: &Context, input: &mut RawInput) {
+        self.app.raw_input_hook(ctx, input);
+    }
+
     fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
         self.app.ui(ui, frame);
         self.announcer.announce(self.app.summary());

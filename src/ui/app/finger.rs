@@ -1,0 +1,89 @@
+//! A finger on a screen: where it taps something that is only to be read, the pointer rests, so that the explanation of a value comes
+//! as it does under a mouse.
+
+use eframe::egui::{Context, Event, PointerButton, Pos2, RawInput, TouchPhase, vec2};
+
+/// How long after a tap the pointer stirs, in seconds: under one that has just clicked and not moved, nothing is explained.
+const REST_SECS: f64 = 0.15;
+
+/// The last finger on the screen.
+#[derive(Debug, Default)]
+pub(super) struct Finger {
+    /// Where and when it was lifted, until the pointer has stirred there.
+    lifted: Option<(Pos2, f64)>,
+}
+
+impl Finger {
+    /// Changes the input of a frame that begins at the time `now`.
+    pub fn rest(&mut self, ctx: &Context, input: &mut RawInput, now: f64) {
+        let lifted_at = |event: &Event| match event {
+            Event::PointerButton { pos, button: PointerButton::Primary, pressed: false, .. } => Some(*pos),
+            _ => None,
+        };
+        if input.events.iter().any(|event| matches!(event, Event::Touch { phase: TouchPhase::End, .. })) {
+            self.lifted = input.events.iter().find_map(lifted_at).map(|at| (at, now));
+            input.events.retain(|event| *event != Event::PointerGone);
+            return ctx.request_repaint();
+        }
+        if input.events.iter().any(|event| matches!(event, Event::Touch { .. } | Event::PointerMoved(_))) {
+            self.lifted = None;
+        }
+        let Some((at, when)) = self.lifted else { return };
+        let is_done = ctx.interaction_snapshot(|now| now.clicked.or(now.drag_stopped).is_some());
+        if is_done {
+            // A button that was tapped needs no explanation.
+            input.events.push(Event::PointerGone);
+            self.lifted = None;
+        } else if now - when < REST_SECS {
+            ctx.request_repaint_after_secs((REST_SECS - (now - when)) as f32);
+        } else {
+            input.events.push(Event::PointerMoved(at + vec2(0.5, 0.0)));
+            self.lifted = None;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use eframe::egui::{Sense, TouchDeviceId, TouchId, Ui, pos2};
+
+    use super::*;
+
+    /// Whether the explanation of a value and that of a button are shown some time after a tap on either.
+    fn explained(tapped: Pos2) -> [bool; 2] {
+        let (ctx, mut finger, mut shown) = (Context::default(), Finger::default(), [false; 2]);
+        let touch =
+            |phase| Event::Touch { device_id: TouchDeviceId(0), id: TouchId(0), phase, pos: tapped, force: None };
+        let button = |pressed| Event::PointerButton {
+            pos: tapped,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Default::default(),
+        };
+        for frame in 0..40 {
+            let now = 0.1 * f64::from(frame);
+            let events = match frame {
+                5 => vec![button(true), touch(TouchPhase::Start)],
+                6 => vec![button(false), Event::PointerGone, touch(TouchPhase::End)],
+                _ => Vec::new(),
+            };
+            let mut input = RawInput { time: Some(now), events, ..RawInput::default() };
+            finger.rest(&ctx, &mut input, now);
+            let draw = |ui: &mut Ui| {
+                for (index, sense) in [Sense::hover(), Sense::click()].into_iter().enumerate() {
+                    let (_, response) = ui.allocate_exact_size(vec2(100.0, 20.0), sense);
+                    response.on_hover_ui(|_| shown[index] = true);
+                }
+            };
+            drop(ctx.run_ui(input, draw));
+        }
+        shown
+    }
+
+    #[test]
+    fn a_tap_explains_a_value_and_not_a_button() {
+        assert_eq!(explained(pos2(20.0, 10.0)), [true, false]);
+        assert_eq!(explained(pos2(20.0, 33.0)), [false, false]);
+        assert_eq!(explained(pos2(500.0, 500.0)), [false, false]);
+    }
+}
