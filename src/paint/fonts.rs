@@ -34,12 +34,14 @@ impl Face {
 
     /// The font file.
     pub fn bytes(self) -> &'static [u8] {
-        match self {
-            Face::Sans => include_bytes!("../../assets/fonts/Inter-Regular.otf"),
-            Face::Bold => include_bytes!("../../assets/fonts/Inter-SemiBold.otf"),
-            Face::Italic => include_bytes!("../../assets/fonts/Inter-Italic.otf"),
-            Face::Mono => include_bytes!("../../assets/fonts/JetBrainsMono-Regular.ttf"),
-        }
+        // Each is in the program once, wherever this is inlined.
+        static FILES: [&[u8]; 4] = [
+            include_bytes!("../../assets/fonts/Inter-Regular.otf"),
+            include_bytes!("../../assets/fonts/Inter-SemiBold.otf"),
+            include_bytes!("../../assets/fonts/Inter-Italic.otf"),
+            include_bytes!("../../assets/fonts/JetBrainsMono-Regular.ttf"),
+        ];
+        FILES[self as usize]
     }
 
     pub(crate) fn font(self) -> Option<&'static FontRef<'static>> {

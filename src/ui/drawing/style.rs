@@ -57,6 +57,9 @@ pub fn icons() -> FontFamily {
     FontFamily::Name("icons".into())
 }
 
+/// The icons that are used, cut out of the whole font.
+pub static ICONS: &[u8] = include_bytes!("../../../assets/fonts/Lucide.ttf");
+
 /// Teaches egui the program's own type and icons.
 pub fn install_fonts(ctx: &egui::Context) {
     let mut fonts = FontDefinitions::empty();
@@ -67,7 +70,7 @@ pub fn install_fonts(ctx: &egui::Context) {
     put("bold", Face::Bold.bytes());
     put("italic", Face::Italic.bytes());
     put("mono", Face::Mono.bytes());
-    put("icons", lucide_icons::LUCIDE_FONT_BYTES);
+    put("icons", ICONS);
     let families = [
         (FontFamily::Proportional, ["sans", "mono", "icons"].as_slice()),
         (FontFamily::Monospace, &["mono", "sans", "icons"]),
@@ -204,4 +207,50 @@ fn visuals(theme: Theme) -> egui::Visuals {
     visuals.text_cursor.blink = false;
     visuals.disabled_alpha = 0.4;
     visuals
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+    use std::fs;
+    use std::path::PathBuf;
+
+    use ab_glyph::{Font as _, FontRef};
+    use lucide_icons::Icon;
+
+    /// The private characters, which stand for icons, with the names of these.
+    fn named() -> impl Iterator<Item = (char, String)> {
+        ('\u{e000}'..='\u{f8ff}').filter_map(|c| Icon::try_from(c).ok().map(|icon| (c, format!("{icon:?}"))))
+    }
+
+    /// The names of the icons in all source files.
+    fn used() -> BTreeSet<String> {
+        let (mut folders, mut found) =
+            (vec![PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/src"))], BTreeSet::new());
+        while let Some(folder) = folders.pop() {
+            for path in fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()) {
+                if path.is_dir() {
+                    folders.push(path);
+                    continue;
+                }
+                let text = fs::read_to_string(path).unwrap_or_default();
+                let words = text
+                    .split(|c: char| !c.is_alphanumeric() && c != ':')
+                    .map(|word| word.trim_start_matches("egui::"));
+                found.extend(words.filter_map(|word| word.strip_prefix("Icon::")).map(str::to_owned));
+            }
+        }
+        found
+    }
+
+    #[test]
+    fn the_font_of_icons_has_all_that_are_used() {
+        let (font, used) = (FontRef::try_from_slice(super::ICONS).expect("a font"), used());
+        let all: Vec<(char, String)> = named().filter(|(_, name)| used.contains(name)).collect();
+        assert!(all.len() > 90, "{} icons are used", all.len());
+        let missing: Vec<_> = all.iter().filter(|(c, _)| font.glyph_id(*c).0 == 0).map(|(_, name)| name).collect();
+        let codes: Vec<String> = all.iter().map(|(c, _)| format!("{:x}", u32::from(*c))).collect();
+        let cut = "pyftsubset lucide.ttf --output-file=assets/fonts/Lucide.ttf --no-hinting --no-glyph-names --layout-features=";
+        assert!(missing.is_empty(), "{missing:?} are missing; {cut} --unicodes={}", codes.join(","));
+    }
 }
