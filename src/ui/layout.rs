@@ -286,6 +286,8 @@ const LEAST_UPRIGHT: Vec2 = vec2(25.0, 44.0);
 const UPRIGHT_LETTERS: f32 = 36.0;
 /// Most of the body that the page of a lesson has above the pictures of an upright window.
 const UPRIGHT_PAGE: f32 = 0.34;
+/// The least shares of the window's area and height that pictures have there.
+const UPRIGHT_LEAST: [f32; 2] = [0.15, f32::INFINITY];
 /// Least height in which a chart can be read, and least width, in letters.
 const CHART_LETTERS: [f32; 2] = [12.0, 15.0];
 /// Least height of the page of a lesson in a column, in letters, and the most of the column: before it was read, and after.
@@ -487,6 +489,10 @@ impl Room {
         Self { body, ..self }
     }
 
+    fn is_upright(&self) -> bool {
+        is_upright(self.window, self.type_pt)
+    }
+
     fn told_pt(&self) -> f32 {
         self.mode.told_pt(self.type_pt)
     }
@@ -508,6 +514,7 @@ impl Room {
     fn words(&self, side: Side, tight: bool) -> [f32; 2] {
         let told = self.told_pt();
         match (side, self.mode) {
+            (Side::Below, _) if self.is_upright() => [if tight { 8.0 } else { 11.0 } * told, 15.0 * told],
             (Side::Beside, _) if tight => [12.0 * told, 18.0 * told],
             (Side::Below, _) if tight => [4.5 * told, 11.0 * told],
             (Side::Beside, Mode::Working) => [19.0 * told, 26.0 * told],
@@ -573,7 +580,12 @@ impl Room {
             all.panes = Panes::Alike(self.pictures.split(rest));
             return;
         }
-        if let Some(LessonPage { height, .. }) = self.page.filter(|_| is_upright(self.window, self.type_pt)) {
+        let has_words = self.folded.parameters || all.parameters.is_some();
+        if self.is_upright() && !has_words && (self.page.is_some() || self.question.is_some()) {
+            // The parameters stand below the pictures, in place of all words.
+            return Room { page: None, question: None, ..*self }.share(body, all);
+        }
+        if let Some(LessonPage { height, .. }) = self.page.filter(|_| self.is_upright()) {
             // Read first, then seen, within reach of the thumb.
             let least = PAGE_LETTERS * self.type_pt;
             let (page, rest) = split_y(body, within(height, least, UPRIGHT_PAGE * body.height()));
@@ -585,7 +597,7 @@ impl Room {
         let words = within(usual_words * self.shares.column, 0.2 * extent, 0.75 * extent);
         let words = if self.shares.column == 1.0 { usual_words } else { words.round() };
         let is_narrow = side == Side::Below || usual_words * self.shares.column < LEAST_PARAMETERS * self.type_pt;
-        if is_narrow && !self.folded.parameters && all.parameters.is_none() {
+        if is_narrow && !self.is_upright() && !self.folded.parameters && all.parameters.is_none() {
             // The stage gives way to them: they never lie over a picture.
             let rest = self.dock(body, all);
             return self.share(rest, all);
@@ -640,7 +652,11 @@ impl Room {
     }
 
     fn best_of(&self, body: Rect, tight: bool) -> Candidate {
-        let ways = self.pictures.ways();
+        let mut ways = self.pictures.ways();
+        if self.is_upright() && ways.len() > 1 {
+            // There the words have no room for a small picture.
+            ways.retain(|way| *way != Way::Large);
+        }
         let sides = [Side::Beside, Side::Below];
         let all: Vec<Candidate> =
             ways.iter().flat_map(|way| sides.map(|side| self.candidate(body, (side, tight), *way))).collect();
@@ -664,7 +680,10 @@ impl Room {
             Side::Beside => vec2(body.width() - words - GAP, body.height()),
             Side::Below => vec2(body.width(), body.height() - words - GAP),
         };
-        let [area, height] = self.mode.least(self.page.is_some(), way);
+        let [area, height] = match self.is_upright() {
+            true => UPRIGHT_LEAST,
+            false => self.mode.least(self.page.is_some(), way),
+        };
         let whole = self.window.x * self.window.y;
         let pictures = &self.pictures;
         let has_share = |words: f32| {
@@ -774,16 +793,23 @@ impl Room {
             Side::Beside => (rest.height(), chart_height),
             Side::Below => (rest.width(), chart_width),
         };
-        let has_both =
-            extent >= told_least + chart_least && (side == Side::Beside || rest.height() >= 0.9 * chart_height);
+        let has_room = extent >= told_least + chart_least;
+        // Beside the words of a lesson or a question no formula is cut off by a chart: they take turns.
+        let is_shared = self.page.is_some() || self.question.is_some();
+        let has_both = has_room
+            && match side {
+                Side::Beside => !is_shared || extent >= self.told + chart_least + GAP,
+                Side::Below => rest.height() >= 0.9 * chart_height,
+            };
         all.alternates = !has_both;
         if !has_both && !self.prefers_chart {
             return self.tell_in(rest, (side, rest.height()), all);
         }
         let usual = match (side, has_both) {
             // The formula is seen without scrolling, as long as the chart stays legible.
-            (Side::Beside, true) => within(extent - self.told, chart_least, 0.56 * extent),
+            (Side::Beside, true) => within(extent - self.told - GAP, chart_least, 0.56 * extent),
             (Side::Beside, false) => 0.6 * extent,
+            (Side::Below, _) if self.is_upright() => 0.58 * extent,
             (Side::Below, _) => {
                 0.42 * extent * self.columns(side) as f32 / if self.columns(side) > 1 { 1.6 } else { 1.0 }
             }

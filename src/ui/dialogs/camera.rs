@@ -288,7 +288,7 @@ pub fn show(
     let modal = widgets::modal(ctx, "live camera", vec2(72.0 * size, 56.0 * size)).show(ctx, |ui| {
         // Before a button in focus takes them.
         keys = Keys::take(ui, state);
-        ui.set_width((72.0 * size).min(screen.width() - 104.0));
+        ui.set_width((72.0 * size).min(widgets::room_of_dialog(ctx).x));
         let tall = (screen.height() - 104.0).min(56.0 * size);
         let bottom = ui.cursor().min.y + tall;
         is_closed = title(ui, state);

@@ -121,7 +121,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, document: &Document, look: &
     let theme = look.theme;
     let size = TextStyle::Body.resolve(&ctx.global_style()).size;
     let screen = ctx.content_rect();
-    let width = (96.0 * size).min(screen.width() - 110.0);
+    let width = (96.0 * size).min(widgets::room_of_dialog(ctx).x);
     let mut visited = false;
     let modal = widgets::modal(ctx, "compare", vec2(100.0 * size, 60.0 * size)).show(ctx, |ui| {
         ui.set_width(width);
@@ -214,12 +214,16 @@ fn subject(ui: &mut Ui, state: &mut State, document: &Document) {
 
 /// Offers other estimators, a sweep and the lockstep; returns whether the last was chosen.
 fn controls(ui: &mut Ui, state: &mut State, document: &Document, actions: &mut Actions) -> bool {
-    ui.horizontal(|ui| {
+    let is_upright = widgets::is_upright(ui.ctx());
+    ui.horizontal_wrapped(|ui| {
         let tip = "Choose the estimators to compare.";
         state.is_choosing = ui.button("Change…").on_hover_text(tip).clicked();
         ui.add_space(GAP);
         sweep(ui, state, document);
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| step_by_step(ui, state, actions)).inner
+        match is_upright {
+            true => step_by_step(ui, state, actions),
+            false => ui.with_layout(Layout::right_to_left(Align::Center), |ui| step_by_step(ui, state, actions)).inner,
+        }
     })
     .inner
 }
@@ -335,6 +339,8 @@ fn results(ui: &mut Ui, state: &mut State, of: (&Document, Theme, f32), actions:
     let most = (height - notes.height(ui) - sizes.whole() - 2.0 * GAP).min(cards::LETTERS[1] * size);
     let cards = cards::height(ui, state.chosen.len(), most);
     let has_cards = content.swept().is_none() && !state.is_choosing && cards >= cards::LETTERS[0] * size;
+    // Beside each other they would be too narrow for their words, which stand below the table then.
+    let has_cards = has_cards && !widgets::is_upright(ui.ctx());
     if !has_cards && !state.is_choosing && content.is_whole {
         notes.sentences = conclusion::sentences(&content.rows);
         // Of a low table more rows are seen.

@@ -22,9 +22,8 @@ pub struct Input {
 pub fn show(ctx: &egui::Context, previews: &mut Previews, input: Input, actions: &mut Actions) -> bool {
     previews.receive(ctx);
     let size = TextStyle::Body.resolve(&ctx.global_style()).size;
-    let screen = ctx.content_rect();
     let mut chosen = false;
-    let room = (screen.size() - vec2(120.0, 220.0)).max(vec2(240.0, 160.0));
+    let room = (widgets::room_of_dialog(ctx) - vec2(12.0, 112.0)).max(vec2(240.0, 160.0));
     let modal = widgets::modal(ctx, "sample clips", vec2(70.0 * size, 60.0 * size)).show(ctx, |ui| {
         ui.set_width((70.0 * size).min(room.x));
         let is_closed = widgets::title(ui, "Samples");

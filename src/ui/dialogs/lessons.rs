@@ -28,7 +28,7 @@ impl State {
 /// Shows the lessons; gives whether the list is still open.
 pub fn show(ctx: &egui::Context, state: &mut State, theme: Theme, actions: &mut Actions) -> bool {
     let size = TextStyle::Body.resolve(&ctx.global_style()).size;
-    let room = ctx.content_rect().size() - vec2(110.0, 140.0);
+    let room = widgets::room_of_dialog(ctx) - vec2(0.0, 32.0);
     let (mut chosen, mut is_closed) = (None, false);
     let modal = widgets::modal(ctx, "lessons", vec2(52.0 * size, 60.0 * size)).show(ctx, |ui| {
         ui.set_width((48.0 * size).min(room.x));

@@ -16,7 +16,7 @@ pub fn shortcuts(ctx: &egui::Context, granularities: &Granularities, theme: Them
     let size = TextStyle::Body.resolve(&ctx.global_style()).size;
     let screen = ctx.content_rect();
     let modal = widgets::modal(ctx, "shortcuts", vec2(62.0 * size, 70.0 * size)).show(ctx, |ui| {
-        ui.set_width((62.0 * size).min(screen.width() - 120.0));
+        ui.set_width((62.0 * size).min(widgets::room_of_dialog(ctx).x));
         let is_closed = widgets::title(ui, "Keyboard shortcuts");
         ui.add_space(8.0);
         let height = (screen.height() - 190.0).max(120.0);

@@ -23,7 +23,7 @@ impl State {
 /// Shows the glossary; gives whether it is still open.
 pub fn show(ctx: &egui::Context, state: &mut State) -> bool {
     let size = TextStyle::Body.resolve(&ctx.global_style()).size;
-    let room = ctx.content_rect().size() - vec2(110.0, 120.0);
+    let room = widgets::room_of_dialog(ctx) - vec2(0.0, 12.0);
     let mut is_closed = false;
     let modal = widgets::modal(ctx, "glossary", vec2(56.0 * size, 60.0 * size)).show(ctx, |ui| {
         ui.set_width((52.0 * size).min(room.x));

@@ -299,8 +299,8 @@ fn column(ui: &mut Ui, input: Input<'_>, state: &mut State, [has_why, has_how]: 
     }
     state.parts = Some(parts);
     if has_why {
-        // Above the formula, the formula, and the line at work that stands below them.
-        let needed = (scrolled.inner_rect.min.y - from + formula_end + below + PANE_MARGIN).ceil();
+        // Above the formula, and the formula. The line at work stands below them where there is room for it.
+        let needed = (scrolled.inner_rect.min.y - from + formula_end + PANE_MARGIN).ceil();
         // It only grows, so that the pane keeps its height where steps with a formula and without one follow each other.
         let needed = if std::mem::take(&mut state.is_old) { needed } else { needed.max(state.formula_end) };
         if std::mem::replace(&mut state.formula_end, needed) != needed {

@@ -166,7 +166,10 @@ pub fn show(ui: &mut Ui, rect: Rect, input: Input<'_>, state: &mut State, action
     let all = scrolled.inner + scrolled.state.clamped_offset().y - scrolled.inner_rect.min.y;
     let around = scrolled.inner_rect.min.y - rect.min.y + below + 8.0;
     let before = (state.offset, state.seen, state.needed);
-    (state.offset, state.seen) = (scrolled.state.clamped_offset().y, [seen, all]);
+    // Below the last row is nothing to be read.
+    let last = state.laid_out.as_ref().and_then(|page| page.rows.last());
+    let readable = last.map_or(all, |row| all.min(row.bottom));
+    (state.offset, state.seen) = (scrolled.state.clamped_offset().y, [seen, readable]);
     state.needed = (around + all).ceil();
     if before != (state.offset, state.seen, state.needed) {
         widgets::lay_out_anew(ui.ctx(), "the page needs another height");

@@ -23,7 +23,6 @@ use crate::paint::Theme;
 use crate::session::lesson::{self, Address};
 use crate::ui::commands::{Action, Actions, Command};
 use crate::ui::drawing::style;
-use crate::ui::layout;
 use crate::ui::model::loader::Loading;
 use crate::ui::model::previews::Previews;
 use crate::ui::parts::entry_card::{self, Card};
@@ -137,7 +136,7 @@ pub fn show(ui: &mut Ui, state: &mut State, previews: &mut Previews, input: &Inp
         state.is_keyed |= walk(ui, &state.items);
     }
     let size = TextStyle::Body.resolve(ui.style()).size;
-    let margins = if is_upright(ui) { 24.0 } else { 64.0 };
+    let margins = if widgets::is_upright(ui.ctx()) { 24.0 } else { 64.0 };
     let width = (WIDEST * size).min(ui.available_width() - margins);
     let side = ((ui.available_width() - width) / 2.0).round();
     let footer = ui.spacing().interact_size.y + 20.0;
@@ -203,7 +202,7 @@ impl Drawn<'_, '_> {
     /// The name of the program, and the ways to open a clip.
     fn head(&mut self, ui: &mut Ui) {
         let size = TextStyle::Body.resolve(ui.style()).size;
-        let is_upright = is_upright(ui);
+        let is_upright = widgets::is_upright(ui.ctx());
         ui.horizontal(|ui| {
             let accent = ui.visuals().hyperlink_color;
             ui.label(widgets::icon(ui, Icon::ScanEye).size(1.9 * size).color(accent));
@@ -310,7 +309,11 @@ impl Drawn<'_, '_> {
     fn lessons_and_recent(&mut self, ui: &mut Ui, recent: &[Recent]) {
         let size = TextStyle::Body.resolve(ui.style()).size;
         let all = ui.available_width();
-        let beside = if recent.is_empty() || is_upright(ui) { 0.0 } else { (RECENT_LETTERS * size).min(0.34 * all) };
+        let beside = if recent.is_empty() || widgets::is_upright(ui.ctx()) {
+            0.0
+        } else {
+            (RECENT_LETTERS * size).min(0.34 * all)
+        };
         let again = |page: &mut Self, ui: &mut Ui| {
             widgets::heading(ui, "Open again");
             tighten(ui);
@@ -318,7 +321,7 @@ impl Drawn<'_, '_> {
         };
         ui.horizontal_top(|ui| {
             ui.vertical(|ui| {
-                ui.set_width(all - beside - if is_upright(ui) { 0.0 } else { 24.0 });
+                ui.set_width(all - beside - if widgets::is_upright(ui.ctx()) { 0.0 } else { 24.0 });
                 widgets::heading(ui, "Lessons");
                 self.lessons(ui);
             });
@@ -427,7 +430,7 @@ impl Drawn<'_, '_> {
         if shown.changed() {
             self.actions.ask(Action::ShowAtStart(is_shown));
         }
-        if is_upright(ui) {
+        if widgets::is_upright(ui.ctx()) {
             return;
         }
         let theme = self.input.theme;
@@ -445,11 +448,6 @@ impl Drawn<'_, '_> {
             }
         });
     }
-}
-
-/// Whether the window is upright and narrow, and has no keyboard then.
-fn is_upright(ui: &Ui) -> bool {
-    layout::is_upright(ui.ctx().content_rect().size(), TextStyle::Body.resolve(ui.style()).size)
 }
 
 /// Whether the window is much larger than its type.

@@ -6,7 +6,6 @@ use lucide_icons::Icon;
 use crate::paint::Theme;
 use crate::ui::commands::{Actions, Command, Granularities, Menu, Situation};
 use crate::ui::drawing::style;
-use crate::ui::layout;
 use crate::ui::model::document::Document;
 use crate::ui::panes::{parameters, transport};
 use crate::ui::parts::{recent, widgets};
@@ -39,7 +38,7 @@ const ROOMY: f32 = 70.0;
 pub fn show(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     let size = TextStyle::Body.resolve(ui.style()).size;
     let roomy = ui.available_width() / size > ROOMY;
-    let is_upright = layout::is_upright(ui.ctx().content_rect().size(), size);
+    let is_upright = widgets::is_upright(ui.ctx());
     MenuBar::new().ui(ui, |ui| {
         brand(ui, input.now.look.theme, roomy && !input.has_strip);
         if roomy {

@@ -37,7 +37,7 @@ const ROOMY: f32 = 72.0;
 /// Draws the transport into the whole width of `ui`.
 pub fn show(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     let size = TextStyle::Body.resolve(ui.style()).size;
-    if layout::is_upright(ui.ctx().content_rect().size(), size) {
+    if widgets::is_upright(ui.ctx()) {
         return upright(ui, input, actions);
     }
     let named = ui.available_width() / size > ROOMY;

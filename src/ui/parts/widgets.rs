@@ -8,6 +8,7 @@ use lucide_icons::Icon;
 
 use crate::paint::Theme;
 use crate::ui::drawing::style;
+use crate::ui::layout;
 
 /// An icon as text, a little larger than the type around it.
 pub fn icon(ui: &Ui, icon: Icon) -> RichText {
@@ -92,10 +93,27 @@ pub fn elide(text: &str, most: usize) -> String {
 /// A dialog over the panes, as wide as `width` unless the window is narrower, with room for `height`.
 pub fn modal(ctx: &egui::Context, name: &str, size: Vec2) -> Modal {
     let id = Id::unique(name);
-    let most = ctx.content_rect().size() - vec2(64.0, 64.0);
+    let (margin, around) = around_dialog(ctx);
+    let most = ctx.content_rect().size() - Vec2::splat(around);
     // A slow computer would show a dialog that fades in as an empty shade for a long while.
     let area = Modal::default_area(id).default_size(size.min(most)).fade_in(false);
-    Modal::new(id).area(area).frame(Frame::window(&ctx.global_style()).inner_margin(20))
+    Modal::new(id).area(area).frame(Frame::window(&ctx.global_style()).inner_margin(margin))
+}
+
+/// Whether the window is upright and narrow, as on a phone.
+pub fn is_upright(ctx: &egui::Context) -> bool {
+    layout::is_upright(ctx.content_rect().size(), TextStyle::Body.resolve(&ctx.global_style()).size)
+}
+
+/// The margin within a dialog, and what is left of the window beside it, in points.
+fn around_dialog(ctx: &egui::Context) -> (i8, f32) {
+    if is_upright(ctx) { (10, 16.0) } else { (20, 64.0) }
+}
+
+/// The most room that the content of a dialog has, in points.
+pub fn room_of_dialog(ctx: &egui::Context) -> Vec2 {
+    let (margin, around) = around_dialog(ctx);
+    ctx.content_rect().size() - Vec2::splat(around + 2.0 * f32::from(margin) + 4.0)
 }
 
 /// The title of a dialog with the way out at its right; returns whether that was clicked.
