@@ -214,6 +214,85 @@ fn a_step_says_the_same_as_on_a_desktop() {
     assert!(differing.is_empty(), "{}", differing.join("\n"));
 }
 
+/// The file in a folder, once the browser has written all of it.
+fn downloaded(folder: &Path) -> (String, Vec<u8>) {
+    let begun = std::time::Instant::now();
+    loop {
+        let mut files = std::fs::read_dir(folder).expect("the folder of downloads").flatten();
+        if let (Some(file), None) = (files.next(), files.next()) {
+            let name = file.file_name().into_string().expect("a name");
+            if !name.ends_with(".crdownload") && !name.starts_with('.') {
+                return (name, std::fs::read(file.path()).expect("its content"));
+            }
+        }
+        assert!(begun.elapsed() < Duration::from_secs(60), "nothing is downloaded");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+/// Pictures of block searches, template matching and frame differences have the same bytes from both editions.
+#[test]
+fn an_exported_picture_is_that_of_a_desktop() {
+    let (server, mut browser) = (serve("/"), Browser::start());
+    let folder = tempfile::tempdir().expect("a folder");
+    browser.download_to(folder.path());
+    let mut tab = open(&mut browser, &server, "");
+    let searches = ["full-search", "diamond", "three-step", "hierarchical", "template-matching"];
+    let steps = searches.into_iter().flat_map(|estimator| ["1.1", "17.3", "35.7", "60.2"].map(|step| (estimator, step)));
+    let mut differing = Vec::new();
+    for (estimator, step) in steps {
+        let link = format!("#synth:pillar&estimator={estimator}&step={step}&picture.theme=dark");
+        tab.evaluate(&format!("{{ location.hash = '{link}' }}"));
+        let is_there = |shown: &tab::Shown| shown.text("estimator") == estimator && shown.text("step") == step;
+        tab.wait("the step", |shown| is_there(shown) && !shown.is_busy());
+        tab.press_ctrl("e");
+        std::thread::sleep(Duration::from_millis(500));
+        tab.screenshot("export");
+        tab.press("Enter");
+        let (name, picture) = downloaded(folder.path());
+        assert!(name.ends_with(".png"), "{name}");
+        std::fs::remove_file(folder.path().join(&name)).expect("it is taken away");
+        let wanted = folder.path().with_extension("png");
+        let target = wanted.to_str().expect("a path");
+        desktop(&["run", "synth:pillar", "--estimator", estimator, "--step", step, "--theme", "dark", "--overlay", target]);
+        if std::fs::read(&wanted).expect("the picture") != picture {
+            differing.push(format!("{estimator} {step}"));
+        }
+        std::fs::remove_file(&wanted).expect("it is taken away");
+    }
+    assert!(differing.is_empty(), "{}", differing.join("\n"));
+}
+
+#[test]
+fn a_browser_that_stores_nothing_shows_everything() {
+    let (server, mut browser) = (serve("/"), Browser::start());
+    let full = "throw new DOMException('the quota is exceeded', 'QuotaExceededError')";
+    let none = "Object.defineProperty(window, 'localStorage', { get() { throw new DOMException('no', 'SecurityError') } })";
+    for refusal in [&format!("Storage.prototype.setItem = () => {{ {full} }}"), none] {
+        let mut tab = Tab::new(&mut browser);
+        tab.prepare(refusal);
+        tab.open(&format!("{}#synth:pillar&estimator=diamond", server.address()));
+        tab.wait("diamond search", |shown| shown.text("estimator") == "diamond" && !shown.is_busy());
+        // The settings are stored when the page is hidden.
+        tab.evaluate("{ dispatchEvent(new Event('beforeunload')) }");
+        tab.press("ArrowRight");
+        tab.wait("the next step", |shown| shown.text("step").ends_with(".1") && !shown.is_busy());
+        tab.take_faults();
+    }
+}
+
+#[test]
+fn a_tab_that_slept_goes_on_with_its_work() {
+    let (server, mut browser) = (serve("/"), Browser::start());
+    let mut tab = open(&mut browser, &server, "#synth:pillar&estimator=full-search");
+    tab.wait("full search", |shown| shown.text("estimator") == "full-search" && !shown.is_busy());
+    tab.press("End");
+    tab.call("Page.setWebLifecycleState", json!({ "state": "frozen" }));
+    std::thread::sleep(Duration::from_secs(2));
+    tab.call("Page.setWebLifecycleState", json!({ "state": "active" }));
+    tab.wait("the end of the search", |shown| !shown.is_busy() && shown.text("sentence").starts_with("All"));
+}
+
 #[test]
 fn it_works_below_a_path_and_without_the_server() {
     let (server, mut browser) = (serve("/courses/vision/"), Browser::start());

@@ -29,6 +29,11 @@ impl Tab {
         tab
     }
 
+    /// Has the page run this script before its own, whenever it is loaded.
+    pub fn prepare(&mut self, script: &str) {
+        self.call("Page.addScriptToEvaluateOnNewDocument", json!({ "source": script }));
+    }
+
     /// Opens an address and waits until something is shown.
     pub fn open(&mut self, address: &str) {
         self.call("Page.navigate", json!({ "url": address }));
@@ -51,6 +56,15 @@ impl Tab {
 
     /// Presses a key by its name in the browser, such as `ArrowRight` or `c`.
     pub fn press(&mut self, key: &str) {
+        self.press_with(0, key);
+    }
+
+    /// Presses Ctrl and a key.
+    pub fn press_ctrl(&mut self, key: &str) {
+        self.press_with(2, key);
+    }
+
+    fn press_with(&mut self, modifiers: u32, key: &str) {
         let number = match key {
             "Enter" => 13,
             "Escape" => 27,
@@ -65,7 +79,9 @@ impl Tab {
         let is_letter = key.len() == 1;
         let code = if is_letter { format!("Key{}", key.to_uppercase()) } else { key.to_owned() };
         for kind in ["rawKeyDown", "keyUp"] {
-            let event = json!({ "type": kind, "key": key, "code": code, "windowsVirtualKeyCode": number });
+            let event = json!({
+                "type": kind, "modifiers": modifiers, "key": key, "code": code, "windowsVirtualKeyCode": number
+            });
             self.call("Input.dispatchKeyEvent", event);
         }
     }
