@@ -33,7 +33,7 @@ fn web(mut args: impl Iterator<Item = String>) -> Result<()> {
         match flag.as_str() {
             "--shrink" => options.shrink = true,
             "--out" => out = PathBuf::from(args.next().context(USAGE)?),
-            "--profile" => options.profile = args.next().context(USAGE)?,
+            "--profile" => options.profile = Some(args.next().context(USAGE)?),
             _ => bail!("{USAGE}"),
         }
     }

@@ -9,8 +9,9 @@ use flate2::{Compression, write::GzEncoder};
 
 use crate::{bindings, program, root, shrink};
 
-/// The profile of the root `Cargo.toml` for the page.
+/// The profiles of the root `Cargo.toml` for the page, and for one that is as small as possible.
 const PROFILE: &str = "page";
+const SMALL: &str = "published";
 
 /// The file by which a folder is recognised as one that this command wrote.
 const MARK: &str = "service-worker.js";
@@ -25,18 +26,12 @@ struct File {
 }
 
 /// How the page is built.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Options {
-    /// A profile of the root `Cargo.toml`.
-    pub profile: String,
-    /// Whether `wasm-opt` makes the program smaller, which takes minutes.
+    /// A profile of the root `Cargo.toml`, if not the usual one.
+    pub profile: Option<String>,
+    /// Whether the program is as small as possible, which takes many minutes.
     pub shrink: bool,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self { profile: PROFILE.into(), shrink: false }
-    }
 }
 
 /// Builds the page into a folder, in place of an older one there.
@@ -46,7 +41,8 @@ impl Default for Options {
 pub fn build(out: &Path, options: &Options) -> Result<()> {
     let is_free = fs::read_dir(out).map_or(true, |mut files| files.next().is_none()) || out.join(MARK).exists();
     ensure!(is_free, "{} holds other files; name an empty folder with --out", out.display());
-    let module = program::compile(&options.profile)?;
+    let usual = if options.shrink { SMALL } else { PROFILE };
+    let module = program::compile(options.profile.as_deref().unwrap_or(usual))?;
     let work = root().join("target/xtask/page");
     clear(&work)?;
     bindings::generate(&module, "motionscope", &work)?;

@@ -238,7 +238,8 @@ fn an_exported_picture_is_that_of_a_desktop() {
     browser.download_to(folder.path());
     let mut tab = open(&mut browser, &server, "");
     let searches = ["full-search", "diamond", "three-step", "hierarchical", "template-matching"];
-    let steps = searches.into_iter().flat_map(|estimator| ["1.1", "17.3", "35.7", "60.2"].map(|step| (estimator, step)));
+    let steps =
+        searches.into_iter().flat_map(|estimator| ["1.1", "17.3", "35.7", "60.2"].map(|step| (estimator, step)));
     let mut differing = Vec::new();
     for (estimator, step) in steps {
         let link = format!("#synth:pillar&estimator={estimator}&step={step}&picture.theme=dark");
@@ -254,7 +255,18 @@ fn an_exported_picture_is_that_of_a_desktop() {
         std::fs::remove_file(folder.path().join(&name)).expect("it is taken away");
         let wanted = folder.path().with_extension("png");
         let target = wanted.to_str().expect("a path");
-        desktop(&["run", "synth:pillar", "--estimator", estimator, "--step", step, "--theme", "dark", "--overlay", target]);
+        desktop(&[
+            "run",
+            "synth:pillar",
+            "--estimator",
+            estimator,
+            "--step",
+            step,
+            "--theme",
+            "dark",
+            "--overlay",
+            target,
+        ]);
         if std::fs::read(&wanted).expect("the picture") != picture {
             differing.push(format!("{estimator} {step}"));
         }
@@ -267,7 +279,8 @@ fn an_exported_picture_is_that_of_a_desktop() {
 fn a_browser_that_stores_nothing_shows_everything() {
     let (server, mut browser) = (serve("/"), Browser::start());
     let full = "throw new DOMException('the quota is exceeded', 'QuotaExceededError')";
-    let none = "Object.defineProperty(window, 'localStorage', { get() { throw new DOMException('no', 'SecurityError') } })";
+    let none =
+        "Object.defineProperty(window, 'localStorage', { get() { throw new DOMException('no', 'SecurityError') } })";
     for refusal in [&format!("Storage.prototype.setItem = () => {{ {full} }}"), none] {
         let mut tab = Tab::new(&mut browser);
         tab.prepare(refusal);
