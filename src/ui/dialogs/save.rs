@@ -470,6 +470,10 @@ fn options(ui: &mut Ui, state: &mut State, granularities: Granularities) {
         });
         if chosen != state.chosen {
             state.choose(chosen);
+            if ui.input(|input| input.pointer.any_released()) {
+                // After a click Enter saves.
+                state.path.focus();
+            }
         }
     }
     if state.kind == Kind::Steps {

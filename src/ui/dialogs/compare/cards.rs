@@ -142,7 +142,8 @@ fn card(
             inside.add(Label::new(RichText::new("No picture").small().color(dim)).truncate());
         }
         None if is_busy => {
-            ui.put(Rect::from_center_size(of_picture.center(), Vec2::splat(24.0)), egui::Spinner::new());
+            // Painted, not put: that would move the next card.
+            egui::Spinner::new().paint_at(ui, Rect::from_center_size(of_picture.center(), Vec2::splat(24.0)));
         }
         None => {}
     }
