@@ -101,6 +101,15 @@ pub async fn sleep(time: Duration) {
     begin_slice();
 }
 
+/// Wakes a task at `time`.
+pub(super) fn wake_at(time: Instant, waker: &Waker) {
+    let waker = waker.clone();
+    let left = time.saturating_duration_since(Instant::now());
+    // Rounded up, so that the time is over by then.
+    let millis = i32::try_from(left.as_millis()).map_or(i32::MAX, |millis| millis.saturating_add(1));
+    set_timeout(&Closure::once_into_js(move || waker.wake()), millis);
+}
+
 /// Notes that a task goes on after a wait.
 pub(super) fn begin_slice() {
     BEGUN.set(Some(Instant::now()));

@@ -15,7 +15,7 @@ use super::dialogs::Overlay;
 use crate::experiment::Prepared;
 use crate::experiment::source::Source;
 use crate::files;
-use crate::media::camera::{Cameras, Closing, Ffmpeg, Kept, is_unsaved};
+use crate::media::camera::{Cameras, Closing, Kept, cameras, is_unsaved};
 use crate::paint::Freehand;
 use crate::ui::commands::{ClipFormat, Command};
 use crate::ui::dialogs::camera::State;
@@ -107,7 +107,7 @@ impl Saving {
 impl Default for Recorder {
     fn default() -> Self {
         Self {
-            cameras: Arc::new(Ffmpeg::default()),
+            cameras: cameras(),
             closing: Closing::default(),
             last: None,
             saved: Saved::default(),
@@ -120,7 +120,7 @@ impl Default for Recorder {
 }
 
 impl App {
-    /// Uses other cameras than those of ffmpeg, for tests.
+    /// Uses other cameras than those of this computer, for tests.
     pub fn use_cameras(&mut self, cameras: Arc<dyn Cameras>) {
         self.recorder.cameras = cameras;
     }

@@ -4,6 +4,7 @@ use motionscope_core::run::Info;
 use serde::Serialize;
 
 use super::App;
+use crate::ui::model::live::LiveView;
 
 /// A summary of the window.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
@@ -24,8 +25,32 @@ pub struct Summary {
     pub error: Option<String>,
     /// The newest message.
     pub message: Option<String>,
+    /// The live picture of the camera.
+    pub live: Option<LiveSummary>,
     /// Whether a task is at work.
     pub busy: bool,
+}
+
+/// A summary of the live picture of a camera.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct LiveSummary {
+    /// The number of the frame.
+    pub frame: Option<usize>,
+    /// Number of marks of the estimator that runs on it.
+    pub marks: usize,
+    /// Why there is no picture, or the estimator does not run.
+    pub error: Option<String>,
+}
+
+impl LiveSummary {
+    fn of(live: LiveView) -> Self {
+        let (seen, error) = (live.seen, live.error.map(|error| error.to_string()));
+        Self {
+            frame: seen.as_ref().map(|seen| seen.frame),
+            marks: seen.map_or(0, |seen| seen.scene.marks.len()),
+            error,
+        }
+    }
 }
 
 impl App {
@@ -36,6 +61,7 @@ impl App {
             start: self.dialogs.start.is_some(),
             error,
             message: self.message().map(str::to_owned),
+            live: self.live().map(LiveSummary::of),
             busy: !self.is_settled(),
             ..Summary::default()
         };

@@ -49,7 +49,7 @@ impl Tab {
         self.call("Emulation.setTouchEmulationEnabled", json!({ "enabled": is_phone }));
     }
 
-    /// Presses a key by its name in the browser, such as `ArrowRight` or `c`.
+    /// Presses a key by its name in the browser, such as `ArrowRight` or `c`; a capital letter with Shift.
     pub fn press(&mut self, key: &str) {
         let number = match key {
             "Enter" => 13,
@@ -62,10 +62,12 @@ impl Tab {
             "ArrowDown" => 40,
             other => other.to_uppercase().bytes().next().map_or(0, u32::from),
         };
+        const SHIFT: u32 = 8;
         let is_letter = key.len() == 1;
+        let modifiers = if is_letter && key.bytes().all(|byte| byte.is_ascii_uppercase()) { SHIFT } else { 0 };
         let code = if is_letter { format!("Key{}", key.to_uppercase()) } else { key.to_owned() };
         for kind in ["rawKeyDown", "keyUp"] {
-            let event = json!({ "type": kind, "key": key, "code": code, "windowsVirtualKeyCode": number });
+            let event = json!({ "type": kind, "key": key, "code": code, "windowsVirtualKeyCode": number, "modifiers": modifiers });
             self.call("Input.dispatchKeyEvent", event);
         }
     }
@@ -82,6 +84,15 @@ impl Tab {
         self.call("Input.dispatchTouchEvent", json!({ "type": "touchStart", "touchPoints": [{ "x": x, "y": y }] }));
         std::thread::sleep(Duration::from_millis(250));
         self.call("Input.dispatchTouchEvent", json!({ "type": "touchEnd", "touchPoints": [] }));
+    }
+
+    /// Clicks with a mouse.
+    pub fn click(&mut self, [x, y]: [f64; 2]) {
+        for kind in ["mouseMoved", "mousePressed", "mouseReleased"] {
+            let event = json!({ "type": kind, "x": x, "y": y, "button": "left", "clickCount": 1 });
+            self.call("Input.dispatchMouseEvent", event);
+            std::thread::sleep(Duration::from_millis(100));
+        }
     }
 
     /// Waits until what is shown satisfies a condition, and returns it.
@@ -199,6 +210,11 @@ impl Shown {
     /// A field with text: `lesson`, `clip`, `estimator`, `step`, `sentence`, `error` or `message`; empty where there is none.
     pub fn text(&self, field: &str) -> &str {
         self.0[field].as_str().unwrap_or_default()
+    }
+
+    /// The number of the frame of the camera and the number of marks on it.
+    pub fn live(&self) -> Option<(u64, u64)> {
+        Some((self.0["live"]["frame"].as_u64()?, self.0["live"]["marks"].as_u64()?))
     }
 
     /// Whether this is the start page.
