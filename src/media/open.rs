@@ -139,7 +139,6 @@ pub(crate) fn needs_ffmpeg(path: &Path) -> bool {
 ///
 /// # Errors
 /// One sentence that names the file, tells what is wrong and what to do.
-#[cfg_attr(not(target_arch = "wasm32"), expect(clippy::unused_async, reason = "only a browser decodes ahead"))]
 pub async fn decode_ahead(paths: &[&Path], options: &Open) -> Result<(), Error> {
     #[cfg(target_arch = "wasm32")]
     for (path, format) in paths.iter().flat_map(|path| foreign(path, &options.given)) {
@@ -155,8 +154,10 @@ fn foreign(path: &Path, given: &Given) -> impl Iterator<Item = (PathBuf, Format)
     let left = LeftView { path, files: &[], size: (0, 0) };
     let right = Found::<SecondView>::find(&left, given).map_or_else(Vec::new, |right| right.companion().files());
     let built_in = Open { ffmpeg: false, cache_bytes: 0, ..Open::default() };
-    iter::once(path.to_owned()).chain(right).filter_map(move |path| match reader::kind(&path) {
-        Ok(Kind::Video(format)) if files::is_file(&path) => {
+    // Others are not opened: a pipe could be waited for without end.
+    let all = iter::once(path.to_owned()).chain(right).filter(|path| files::is_file(path));
+    all.filter_map(move |path| match reader::kind(&path) {
+        Ok(Kind::Video(format)) => {
             reader::guarded(|| reader::read(&path, &built_in)).is_err().then_some((path, format))
         }
         _ => None,

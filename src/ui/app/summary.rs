@@ -36,19 +36,22 @@ pub struct Summary {
 pub struct LiveSummary {
     /// The number of the frame.
     pub frame: Option<usize>,
-    /// Number of marks of the estimator that runs on it.
-    pub marks: usize,
-    /// Why there is no picture, or the estimator does not run.
+    /// Id of the estimator that has run on it.
+    pub estimator: Option<&'static str>,
+    /// Number of estimators that keep up with the camera, of those measured so far.
+    pub offered: usize,
+    /// Why the estimator does not run.
     pub error: Option<String>,
 }
 
 impl LiveSummary {
-    fn of(live: LiveView) -> Self {
-        let (seen, error) = (live.seen, live.error.map(|error| error.to_string()));
+    fn of(live: &LiveView) -> Self {
+        let seen = live.seen.as_deref();
         Self {
-            frame: seen.as_ref().map(|seen| seen.frame),
-            marks: seen.map_or(0, |seen| seen.scene.marks.len()),
-            error,
+            frame: seen.map(|seen| seen.frame),
+            estimator: seen.and_then(|seen| seen.estimator).map(|info| info.id),
+            offered: live.offered.len(),
+            error: live.error.as_ref().map(ToString::to_string),
         }
     }
 }
@@ -61,7 +64,7 @@ impl App {
             start: self.dialogs.start.is_some(),
             error,
             message: self.message().map(str::to_owned),
-            live: self.live().map(LiveSummary::of),
+            live: self.live().as_ref().map(LiveSummary::of),
             busy: !self.is_settled(),
             ..Summary::default()
         };

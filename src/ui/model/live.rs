@@ -42,6 +42,8 @@ pub struct Seen {
     pub available: AvailableLayers,
     /// The number of the frame in the run.
     pub frame: usize,
+    /// The estimator that has run on it, if one has.
+    pub estimator: Option<&'static Info>,
 }
 
 /// The state of a live run.
@@ -326,6 +328,7 @@ async fn preview(shared: &Arc<Shared>, (format, stop): (&Format, &Stop)) -> Resu
             stands: RunState { shows_frame_alone: true, ..RunState::default() },
             available: AvailableLayers::default(),
             frame: number,
+            estimator: None,
         };
         shared.publish(seen, stop);
         work::breathe().await;
@@ -372,7 +375,7 @@ fn seen(walk: &dyn Walk, clip: &Clip, look: &Look, shows_frame_alone: bool) -> R
     let moment = Moment::of(view, |site| Motion::of(site, look, || Ok(None)))?;
     let stands = moment.stands(shows_frame_alone);
     let Moment { scene, pictures, available, .. } = moment;
-    Ok(Seen { pictures, scene, stands, available, frame })
+    Ok(Seen { pictures, scene, stands, available, frame, estimator: Some(walk.info()) })
 }
 
 /// Measures which estimators keep up with the camera, on some of its frames.

@@ -18,6 +18,10 @@ use xtask::Server;
 /// The middle of the button that steps forward, in an upright window of 390×844 points.
 const STEP_ON_A_PHONE: [f64; 2] = [268.0, 819.0];
 
+/// The list of estimators in the dialog of the camera, and the first one in it.
+const ESTIMATORS: [f64; 2] = [768.0, 99.0];
+const FIRST_ESTIMATOR: [f64; 2] = [800.0, 190.0];
+
 /// The page, served below a path.
 fn serve(base: &str) -> Server {
     Server::start(xtask::default_folder(), base, 0).expect("the page is served")
@@ -139,8 +143,17 @@ fn the_camera_is_live_and_an_estimator_runs_on_it() {
     let mut tab = open(&mut browser, &server, "#synth:pillar&estimator=diamond");
     tab.wait("diamond search", |shown| shown.text("estimator") == "diamond" && !shown.is_busy());
     tab.press("R");
-    tab.wait("live frames", |shown| shown.live().is_some_and(|(frame, _)| frame > 5));
+    let is_at = |shown: &Shown, frame| shown.live("frame").as_u64().is_some_and(|at| at > frame);
+    tab.wait("live frames", |shown| is_at(shown, 5));
     tab.screenshot("camera");
+    tab.click(ESTIMATORS);
+    let shown = tab.wait("an estimator that keeps up", |shown| shown.live("offered").as_u64() > Some(0));
+    let frame = shown.live("frame").as_u64().unwrap_or_default();
+    tab.wait("frames while others are measured", |shown| is_at(shown, frame + 1));
+    tab.click(FIRST_ESTIMATOR);
+    let runs = |shown: &Shown, frame| shown.live("estimator").is_string() && is_at(shown, frame);
+    println!("{:?}", tab.wait("a run", |shown| runs(shown, 3)));
+    tab.screenshot("camera-estimator");
 }
 
 #[test]

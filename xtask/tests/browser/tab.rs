@@ -212,9 +212,9 @@ impl Shown {
         self.0[field].as_str().unwrap_or_default()
     }
 
-    /// The number of the frame of the camera and the number of marks on it.
-    pub fn live(&self) -> Option<(u64, u64)> {
-        Some((self.0["live"]["frame"].as_u64()?, self.0["live"]["marks"].as_u64()?))
+    /// The live picture of the camera: `frame`, `estimator`, `offered` and `error`; null where there is none.
+    pub fn live(&self, field: &str) -> &Value {
+        &self.0["live"][field]
     }
 
     /// Whether this is the start page.

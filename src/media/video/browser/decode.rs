@@ -56,7 +56,7 @@ pub(crate) async fn decode(path: &Path, format: Format, options: &Open) -> Resul
         ))
     };
     let decoder = Decoder::new(&config).map_err(|why| stopped(&why))?;
-    // What comes before a key cannot be decoded.
+    // Samples before the first key cannot be decoded.
     let next = track.samples.iter().position(|sample| sample.key).unwrap_or(0);
     let mut job = Job { input, decoder: &decoder, places: Places::of(&track), track: &track, next, copy: None };
     let failure = job.run(options).await?;

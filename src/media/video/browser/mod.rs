@@ -4,10 +4,13 @@
 //! samples of our own demuxers, and keeps the frames as a Y4M copy in memory; [`open`] opens that copy. Here is also everything about it that
 //! needs no browser: [`config`] describes the track to the decoder, [`picture`] reads its pictures, [`copy`] collects them.
 
+#[cfg(any(target_arch = "wasm32", test))]
 mod config;
+#[cfg(any(target_arch = "wasm32", test))]
 mod copy;
 #[cfg(target_arch = "wasm32")]
 mod decode;
+#[cfg(any(target_arch = "wasm32", test))]
 mod picture;
 #[cfg(target_arch = "wasm32")]
 mod webcodecs;
@@ -35,6 +38,7 @@ const NOTES: &str = "notes.txt";
 ///
 /// # Errors
 /// If there is no room for them.
+#[cfg(any(target_arch = "wasm32", test))]
 fn keep(path: &Path, frames: Vec<u8>, notes: &[String]) -> Result<(), Error> {
     let full = |_| Error::new("the page has no memory left for its frames; cut the clip, or scale it down");
     decoded::keep(&decoded::copy_of(path, NOTES), notes.join("\n").into_bytes()).map_err(full)?;
