@@ -64,7 +64,8 @@ pub fn keep(format: &Format, shots: &[Shot], name: &str) -> Result<Kept, Error> 
         Error::new(format!("the recording cannot be kept in {} ({error}); make room there", place.display()))
     };
     let _at_work = temporary::at_work();
-    let folder = temporary::folder(&place).map_err(cannot)?;
+    // In a page it may be the first file of all.
+    let folder = files::create_dir_all(&place).and_then(|()| temporary::folder(&place)).map_err(cannot)?;
     let (path, rate) = (folder.path().join(format!("{name}.y4m")), rate(shots));
     let frames = shots.iter().flat_map(|shot| [FRAME, shot.samples()]);
     let mut video = Cursor::new(format.head(rate)).chain(Pieces { pieces: frames, piece: &[] });

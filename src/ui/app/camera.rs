@@ -194,6 +194,8 @@ impl App {
     pub(super) fn clip_saved(&mut self) {
         let Some(Saving { from, to: path, is_lossless }) = self.recorder.saving.take() else { return };
         let is_open = matches!(self.run.document.source(), Some(Source::File(open)) if *open == from);
+        // A page has handed the file over to the browser.
+        let is_replaced = is_lossless && files::exists(&path);
         if let Some(frames) = self.recorder.last.as_ref().filter(|last| last.path() == from).map(|last| last.frames()) {
             let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
             self.recorder.saved = match std::mem::take(&mut self.recorder.saved) {
@@ -201,13 +203,13 @@ impl App {
                 Saved::Whole(whole) => Saved::Whole(whole),
                 _ => Saved::WithLoss(name),
             };
-            if is_open && !is_lossless {
+            if is_open && !is_replaced {
                 let told = format!("{frames} frames, {}", self.recorder.saved.told());
                 self.toasts.describe(Some(told));
             }
         }
         if let Some(shown) =
-            self.run.view.shown.as_deref().filter(|_| is_lossless && is_open && self.opening.loading.is_none())
+            self.run.view.shown.as_deref().filter(|_| is_replaced && is_open && self.opening.loading.is_none())
         {
             self.recorder.ink = Some((path.clone(), self.presentation.pen.freehand(&shown.subject)));
             let clip = files::absolute(&path);

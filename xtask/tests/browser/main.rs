@@ -18,9 +18,10 @@ use xtask::Server;
 /// The middle of the button that steps forward, in an upright window of 390×844 points.
 const STEP_ON_A_PHONE: [f64; 2] = [268.0, 819.0];
 
-/// The list of estimators in the dialog of the camera, and the first one in it.
+/// The list of estimators in the dialog of the camera, the first one in it, and the button that makes a clip of the last seconds.
 const ESTIMATORS: [f64; 2] = [768.0, 99.0];
 const FIRST_ESTIMATOR: [f64; 2] = [800.0, 190.0];
+const FREEZE: [f64; 2] = [945.0, 656.0];
 
 /// The page, served below a path.
 fn serve(base: &str) -> Server {
@@ -154,6 +155,11 @@ fn the_camera_is_live_and_an_estimator_runs_on_it() {
     let runs = |shown: &Shown, frame| shown.live("estimator").is_string() && is_at(shown, frame);
     println!("{:?}", tab.wait("a run", |shown| runs(shown, 3)));
     tab.screenshot("camera-estimator");
+    tab.click(FREEZE);
+    tab.wait("the last seconds as a clip", |shown| {
+        shown.text("clip") == "camera-1.y4m" && !shown.text("step").is_empty() && shown.live("frame").is_null()
+    });
+    tab.screenshot("camera-clip");
 }
 
 #[test]
