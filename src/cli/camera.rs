@@ -9,6 +9,7 @@ use motionscope_core::base::{Error, Stop};
 use super::args::CameraArgs;
 use crate::media::camera::{Cameras, Device, Ffmpeg, Recorded, Size, record};
 use crate::media::names::file_name;
+use crate::work::finish;
 
 /// Lists the cameras, or records from one; returns the text of the outcome.
 ///
@@ -23,7 +24,7 @@ pub fn camera(args: &CameraArgs) -> Result<String, Error> {
 }
 
 fn listed(cameras: &impl Cameras) -> String {
-    let (all, error) = cameras.list();
+    let (all, error) = finish(cameras.list());
     let line = |device: &Device| match device {
         Device::Camera { name, address } => format!("{name} ({address})\n"),
         Device::TestPicture => format!("{} (a moving pattern, without a camera)\n", device.name()),
@@ -54,16 +55,16 @@ fn recorded(cameras: &impl Cameras, args: &CameraArgs, out: &Path) -> Result<Str
             "--out {out} would replace an earlier file; choose another name, or add --force to overwrite"
         )));
     }
-    let (all, error) = cameras.list();
+    let (all, error) = finish(cameras.list());
     let device = match &args.device {
         None => first(&all, error)?.clone(),
         // The list may leave a device out that ffmpeg can open.
         Some(path) if path.starts_with("/dev/") => Device::Camera { name: path.clone(), address: path.clone() },
         Some(wanted) => Device::find(&all, wanted).map_err(|unknown| error.unwrap_or(unknown))?.clone(),
     };
-    let feed = cameras.open(&device, args.size, &Stop::default())?;
+    let feed = finish(cameras.open(&device, args.size, &Stop::default()))?;
     let Recorded { frames, size: (width, height), time, ended } =
-        record(feed, Duration::from_secs_f32(args.seconds), out, None)?;
+        finish(record(feed, Duration::from_secs_f32(args.seconds), out, None))?;
     let seconds = time.as_secs_f32();
     let early = ended.map_or_else(String::new, |why| format!("\nThe recording ended early: {why}."));
     let (name, from) = (file_name(out), device.name());

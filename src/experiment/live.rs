@@ -2,16 +2,21 @@
 //!
 //! Frames that arrive during a step are skipped. A run through the clip goes on with the next frame, others begin anew with
 //! each pair. Which estimators are fast enough to be offered is measured, not declared.
+//!
+//! An estimator reads its frames at once, but a camera has to be waited for. So a run that asks for a frame that has not come is left, and
+//! begins again once it has: at its beginning a run may do so a few times, later it needs one more frame for each step.
 
 use std::collections::VecDeque;
-use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::future::ready;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::thread;
 
 use motionscope_core::base::{Error, Stop};
 use motionscope_core::data::{Clip, ClipInfo, Frame, FrameSource};
 use motionscope_core::run::{AnyEstimator, Direction, FRAME, FRAMES, Move, Walk};
 use web_time::{Duration, Instant};
+
+use crate::work::{self, Boxed};
 
 /// Frames of the past that a run can look back at.
 const KEPT: usize = 64;
@@ -22,16 +27,19 @@ const CHECKPOINTS_BYTES: u64 = 64 << 20;
 
 /// Frames of which the shortest time counts.
 const TIMED: usize = 3;
-/// Time between two checks whether a measurement was cancelled.
-const POLL: Duration = Duration::from_millis(10);
 
-/// Waits for the next frame and returns it; frames that were not taken in time are dropped.
-pub type NextFrame = Box<dyn Fn(&Stop) -> Result<Arc<Frame>, Error> + Send + Sync>;
+/// Frames as they come.
+pub trait LiveFrames {
+    /// Waits for the next frame and returns it; frames that were not taken in time are dropped.
+    fn next(&mut self) -> Boxed<'_, Result<Arc<Frame>, Error>>;
+}
 
-/// A clip that grows by a frame whenever a run asks for one.
+/// A clip that grows by a frame whenever one has come.
+#[derive(Default)]
 struct Growing {
-    next: NextFrame,
     kept: Mutex<Past>,
+    /// Whether a frame was asked for that has not come.
+    has_missed: AtomicBool,
 }
 
 /// The frames that were delivered last.
@@ -46,28 +54,27 @@ impl Growing {
     fn kept(&self) -> MutexGuard<'_, Past> {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
+
+    fn push(&self, frame: Arc<Frame>) {
+        let mut past = self.kept();
+        past.frames.push_back(frame);
+        if past.frames.len() > KEPT {
+            past.frames.pop_front();
+            past.first += 1;
+        }
+    }
 }
 
 impl FrameSource for Growing {
-    fn frame(&self, index: usize, stop: &Stop) -> Result<Arc<Frame>, Error> {
-        loop {
-            let past = self.kept();
-            if let Some(frame) = index.checked_sub(past.first).and_then(|i| past.frames.get(i)) {
-                return Ok(Arc::clone(frame));
-            }
-            if index < past.first {
-                return Err(Error::new(format!("frame {index} of the camera is not kept any more")));
-            }
-            // Reading an earlier frame does not wait for the next one.
-            drop(past);
-            let frame = (self.next)(stop)?;
-            let mut past = self.kept();
-            past.frames.push_back(frame);
-            if past.frames.len() > KEPT {
-                past.frames.pop_front();
-                past.first += 1;
-            }
-        }
+    fn frame(&self, index: usize, _: &Stop) -> Result<Arc<Frame>, Error> {
+        let past = self.kept();
+        let Some(place) = index.checked_sub(past.first) else {
+            return Err(Error::new(format!("frame {index} of the camera is not kept any more")));
+        };
+        past.frames.get(place).cloned().ok_or_else(|| {
+            self.has_missed.store(true, Ordering::Relaxed);
+            Error::new(format!("frame {index} of the camera has not come yet"))
+        })
     }
 
     fn cached(&self, index: usize) -> Option<Arc<Frame>> {
@@ -81,8 +88,10 @@ impl FrameSource for Growing {
 }
 
 /// A run of an estimator on frames as they come.
-pub struct LiveRun {
+pub struct LiveRun<'a> {
     estimator: Box<dyn AnyEstimator>,
+    frames: Box<dyn LiveFrames + 'a>,
+    growing: Arc<Growing>,
     clip: Clip,
     stop: Stop,
     /// Whether one run goes through all frames; else each pair has a run of its own.
@@ -92,9 +101,14 @@ pub struct LiveRun {
     frame: usize,
 }
 
-impl LiveRun {
-    /// The run of `estimator` on frames of a size, which `next` delivers, until `stop` is set.
-    pub fn new(estimator: &dyn AnyEstimator, size: (usize, usize), next: NextFrame, stop: Stop) -> Self {
+impl<'a> LiveRun<'a> {
+    /// The run of `estimator` on `frames` of a size, until `stop` is set.
+    pub fn new(
+        estimator: &dyn AnyEstimator,
+        size: (usize, usize),
+        frames: Box<dyn LiveFrames + 'a>,
+        stop: Stop,
+    ) -> Self {
         let info = ClipInfo {
             name: "Camera".into(),
             width: size.0,
@@ -109,11 +123,14 @@ impl LiveRun {
         let runs_on = estimator.specs().iter().any(|spec| spec.name == FRAMES);
         // An estimator that allows fewer keeps its number.
         estimator.set(FRAMES, &LONGEST.to_string()).unwrap_or_default();
-        let clip = Clip::new(info, Arc::new(Growing { next, kept: Mutex::default() }));
+        let growing = Arc::<Growing>::default();
+        let clip = Clip::new(info, Arc::clone(&growing) as Arc<dyn FrameSource>);
         let room = clip.room().min(estimator.need(&clip).walk.saturating_add(CHECKPOINTS_BYTES));
         Self {
             is_through_clip: runs_on && estimator.info().granularities[0] != FRAME,
             estimator,
+            frames,
+            growing,
             clip: clip.within(room).until(stop.clone()),
             stop,
             walk: None,
@@ -135,20 +152,18 @@ impl LiveRun {
     ///
     /// # Errors
     /// If there are no more frames, the estimator cannot run on them, or the run was stopped.
-    pub fn advance(&mut self) -> Result<&dyn Walk, Error> {
+    pub async fn advance(&mut self) -> Result<&dyn Walk, Error> {
         let is_through_clip = self.is_through_clip;
-        let goes_on = self.walk.take().filter(|walk| is_through_clip && !walk.at_end() && walk.failure().is_none());
-        let mut walk = match goes_on {
-            Some(walk) => walk,
-            None => self.estimator.walk(&self.clip, self.frame)?,
+        let mut goes_on = self.walk.take().filter(|walk| is_through_clip && !walk.at_end() && walk.failure().is_none());
+        let walk = loop {
+            self.growing.push(self.frames.next().await?);
+            self.growing.has_missed.store(false, Ordering::Relaxed);
+            let walk = self.attempt(goes_on.take()).await;
+            self.stop.check()?;
+            if !self.growing.has_missed.load(Ordering::Relaxed) {
+                break walk?;
+            }
         };
-        // The granularity after that of the whole run is its frames.
-        let to = if is_through_clip { Move::Granularity(1, Direction::Forward) } else { Move::End };
-        walk.jump_while(to, &|| !self.stop.is_set());
-        self.stop.check()?;
-        if let Some(error) = walk.failure() {
-            return Err(error.clone());
-        }
         let at = walk.at_frame();
         if self.is_through_clip && !(self.frame..=self.frame + 1).contains(&at) {
             let name = walk.info().name;
@@ -157,47 +172,72 @@ impl LiveRun {
         self.frame = at + 1;
         Ok(&**self.walk.insert(walk))
     }
+
+    /// Has a run, or a new one, go on to the end of a frame.
+    async fn attempt(&self, run: Option<Box<dyn Walk>>) -> Result<Box<dyn Walk>, Error> {
+        let mut walk = match run {
+            Some(walk) => walk,
+            None => self.estimator.walk(&self.clip, self.frame)?,
+        };
+        // The granularity after that of the whole run is its frames.
+        walk.go(if self.is_through_clip { Move::Granularity(1, Direction::Forward) } else { Move::End });
+        loop {
+            let slice = Instant::now();
+            if walk.work(&mut || slice.elapsed() < work::SLICE && !self.stop.is_set()) {
+                break;
+            }
+            self.stop.check()?;
+            work::breathe().await;
+        }
+        walk.failure().cloned().map_or(Ok(walk), Err)
+    }
+}
+
+/// Frames again and again.
+struct Repeated<'a> {
+    frames: &'a [Arc<Frame>],
+    count: usize,
+}
+
+impl LiveFrames for Repeated<'_> {
+    fn next(&mut self) -> Boxed<'_, Result<Arc<Frame>, Error>> {
+        self.count += 1;
+        Box::pin(ready(Ok(Arc::clone(&self.frames[self.count % self.frames.len()]))))
+    }
 }
 
 /// The time that `estimator` takes for a frame, measured on `frames`; `None` if that is longer than `limit`, it cannot run on them, or
 /// `quit` is set.
-pub fn measure(estimator: &dyn AnyEstimator, frames: &[Arc<Frame>], limit: Duration, quit: &Stop) -> Option<Duration> {
+pub async fn measure(
+    estimator: &dyn AnyEstimator,
+    frames: &[Arc<Frame>],
+    limit: Duration,
+    quit: &Stop,
+) -> Option<Duration> {
     let size = frames.first()?.size();
-    let (stop, asked) = (Stop::default(), Mutex::new(0));
-    // As often as they are asked for.
-    let frames: Arc<[Arc<Frame>]> = frames.into();
-    let next: NextFrame = Box::new(move |stop| {
-        let mut asked = asked.lock().unwrap_or_else(PoisonError::into_inner);
-        *asked += 1;
-        stop.check().map(|()| Arc::clone(&frames[*asked % frames.len()]))
-    });
-    let (done, is_done) = channel::<()>();
-    let (late, quit, begun) = (stop.clone(), quit.clone(), Instant::now());
-    let watch = thread::spawn(move || {
-        while is_done.recv_timeout(POLL) == Err(RecvTimeoutError::Timeout) {
-            late.set(quit.is_set() || begun.elapsed() > (TIMED as u32 + 1) * limit);
-        }
-    });
-    let mut run = LiveRun::new(estimator, size, next, stop);
-    let mut timed = || {
+    let (quit, begun) = (quit.clone(), Instant::now());
+    let stop = Stop::when(move || quit.is_set() || begun.elapsed() > (TIMED as u32 + 1) * limit);
+    let mut run = LiveRun::new(estimator, size, Box::new(Repeated { frames, count: 0 }), stop);
+    let mut times = Vec::new();
+    for _ in 0..=TIMED {
         let begun = Instant::now();
-        run.advance().map(|_| begun.elapsed())
-    };
-    let times: Result<Vec<_>, Error> = (0..=TIMED).map(|_| timed()).collect();
-    drop(done);
-    watch.join().unwrap_or_default();
+        run.advance().await.ok()?;
+        times.push(begun.elapsed());
+    }
     // Other programs make a run slower, and nothing makes it faster.
-    times.ok()?.into_iter().skip(1).min().filter(|time| *time <= limit)
+    times.into_iter().skip(1).min().filter(|time| *time <= limit)
 }
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::sync::atomic::AtomicUsize;
+    use std::thread;
 
     use motionscope_core::course::estimators;
     use motionscope_core::synth;
 
     use super::*;
+    use crate::work::finish;
 
     fn frames() -> Vec<Arc<Frame>> {
         let clip = synth::scene(crate::experiment::first::SAMPLE).unwrap();
@@ -205,14 +245,34 @@ mod tests {
         (0..8).map(|t| clip.frame(t).unwrap()).collect()
     }
 
+    /// Frames again and again, which are counted.
+    struct Counted(Vec<Arc<Frame>>, Arc<AtomicUsize>);
+
+    impl LiveFrames for Counted {
+        fn next(&mut self) -> Boxed<'_, Result<Arc<Frame>, Error>> {
+            Box::pin(ready(Ok(Arc::clone(&self.0[self.1.fetch_add(1, Ordering::Relaxed) % self.0.len()]))))
+        }
+    }
+
     /// A run on these frames again and again, and how many it has asked for.
-    fn run(estimator: &dyn AnyEstimator) -> (LiveRun, Arc<AtomicUsize>) {
-        let (frames, asked) = (frames(), Arc::new(AtomicUsize::new(0)));
-        let count = Arc::clone(&asked);
-        let next = move |stop: &Stop| {
-            stop.check().map(|()| Arc::clone(&frames[count.fetch_add(1, Ordering::Relaxed) % frames.len()]))
-        };
-        (LiveRun::new(estimator, (96, 64), Box::new(next), Stop::default()), asked)
+    fn run(estimator: &dyn AnyEstimator) -> (LiveRun<'_>, Arc<AtomicUsize>) {
+        let asked = Arc::new(AtomicUsize::new(0));
+        let frames = Box::new(Counted(frames(), Arc::clone(&asked)));
+        (LiveRun::new(estimator, (96, 64), frames, Stop::default()), asked)
+    }
+
+    /// Frames of which none comes.
+    struct Silent(Stop);
+
+    impl LiveFrames for Silent {
+        fn next(&mut self) -> Boxed<'_, Result<Arc<Frame>, Error>> {
+            Box::pin(async {
+                loop {
+                    self.0.check()?;
+                    work::sleep(Duration::from_millis(1)).await;
+                }
+            })
+        }
     }
 
     #[test]
@@ -222,10 +282,10 @@ mod tests {
             let (mut run, asked) = run(&**estimator);
             let name = estimator.info().id;
             // Some need what a camera does not have, such as a second view.
-            let Ok(first) = run.advance().map(|walk| walk.at_frame()) else { continue };
+            let Ok(first) = finish(run.advance()).map(|walk| walk.at_frame()) else { continue };
             for t in 1..6 {
                 let before = asked.load(Ordering::Relaxed);
-                let walk = run.advance().unwrap_or_else(|error| panic!("{name}: {error}"));
+                let walk = finish(run.advance()).unwrap_or_else(|error| panic!("{name}: {error}"));
                 assert_eq!(walk.at_frame(), first + t, "{name}");
                 let taken = asked.load(Ordering::Relaxed);
                 // Some begin with the median of the first frames, which they then go through.
@@ -239,14 +299,12 @@ mod tests {
 
     #[test]
     fn a_run_that_is_stopped_waits_no_longer() {
-        let estimator = &estimators()[0];
         let stop = Stop::default();
-        let waits = |stop: &Stop| loop {
-            stop.check()?;
-            thread::sleep(Duration::from_millis(1));
-        };
-        let mut run = LiveRun::new(&**estimator, (96, 64), Box::new(waits), stop.clone());
-        let asker = thread::spawn(move || run.advance().err());
+        let asked = stop.clone();
+        let asker = thread::spawn(move || {
+            let mut run = LiveRun::new(&*estimators()[0], (96, 64), Box::new(Silent(asked.clone())), asked);
+            finish(run.advance()).err()
+        });
         stop.set(true);
         assert!(asker.join().unwrap().is_some());
     }
@@ -254,7 +312,8 @@ mod tests {
     #[test]
     fn what_takes_too_long_is_not_measured() {
         let (frames, first, quit) = (frames(), &estimators()[0], Stop::default());
-        let time = |frames: &[Arc<Frame>], limit_s| measure(&**first, frames, Duration::from_secs(limit_s), &quit);
+        let time =
+            |frames: &[Arc<Frame>], limit_s| finish(measure(&**first, frames, Duration::from_secs(limit_s), &quit));
         assert!(time(&frames, 20).is_some() && time(&frames, 0).is_none() && time(&[], 20).is_none());
     }
 }

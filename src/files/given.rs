@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use motionscope_core::base::Error;
 
 use super::memory::{self, Bytes, GIVEN, MOST_BYTES};
-use super::{entries, exists, is_dir, is_in_memory};
+use super::{decoded, entries, exists, is_dir, is_in_memory};
 
 /// A file as it was given.
 #[derive(Clone, Debug)]
@@ -130,7 +130,14 @@ pub fn keep_only<'a>(paths: impl IntoIterator<Item = &'a Path>) {
     let kept: Vec<PathBuf> = paths.into_iter().filter_map(folder_of).collect();
     let all: Vec<PathBuf> = if exists(Path::new(GIVEN)) { entries(Path::new(GIVEN)).collect() } else { Vec::new() };
     let forgotten = all.into_iter().filter(|folder| is_dir(folder) && !kept.contains(folder));
-    forgotten.for_each(|folder| memory::lock().remove_all(&folder));
+    forgotten.for_each(|folder| forget(&folder));
+}
+
+/// Forgets the files in a `folder` of given ones, and their copies in another form.
+pub(super) fn forget(folder: &Path) {
+    let mut memory = memory::lock();
+    memory.remove_all(folder);
+    memory.remove_all(&decoded::copy_of(folder, ""));
 }
 
 #[cfg(test)]

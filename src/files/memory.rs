@@ -16,6 +16,8 @@ pub const MOST_BYTES: u64 = 1 << 30;
 pub(super) const GIVEN: &str = "/given";
 /// The folder in which a page writes what it saves.
 pub(super) const SAVED: &str = "/saved";
+/// The folder of copies in another form, at the paths of their originals.
+pub(super) const DECODED: &str = "/decoded";
 
 static TREE: Mutex<Tree> = Mutex::new(Tree::new(MOST_BYTES));
 

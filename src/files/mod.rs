@@ -2,8 +2,9 @@
 //!
 //! A page of a browser has no disk. Files given to the page are held in memory ([`given`]), and files that it saves go through memory
 //! to the browser ([`download`]). The functions here mirror `std::fs`, and the path decides: in a page every path is in memory; on a
-//! desktop only those below `/given` and `/saved`, and only while something is held there. All other code names files by path and is the same for both.
+//! desktop only those below `/given`, `/saved` and `/decoded`, and only while something is held there. All other code names files by path and is the same for both.
 
+pub mod decoded;
 mod disk;
 pub mod download;
 pub mod given;
@@ -26,7 +27,8 @@ pub const IN_PAGE: bool = cfg!(target_arch = "wasm32");
 
 /// Whether the file or folder at `path` is, or would be, held in memory.
 pub fn is_in_memory(path: &Path) -> bool {
-    IN_PAGE || (path.starts_with(memory::GIVEN) || path.starts_with(memory::SAVED)) && !memory::lock().is_empty()
+    let is_below = |folder| path.starts_with(folder);
+    IN_PAGE || [memory::GIVEN, memory::SAVED, memory::DECODED].iter().any(is_below) && !memory::lock().is_empty()
 }
 
 /// Opens the browser's dialog for files, or for a folder; the chosen files arrive later ([`given::arrivals`]).

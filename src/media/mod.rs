@@ -50,7 +50,7 @@ pub use given::{Given, GivenCalibration, RightView, depth_scale, disparity_scale
 pub use info::Info;
 use input::Node;
 pub(crate) use open::needs_ffmpeg;
-pub use open::{open, open_pair, open_scene};
+pub use open::{decode_ahead, open, open_pair, open_scene};
 pub use options::{Open, Progress};
 pub use picture::Contrast;
 pub(crate) use reason::{about, cannot_read};

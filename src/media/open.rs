@@ -1,5 +1,6 @@
 //! Opening of a clip with all that belongs to it.
 
+use std::iter;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -15,6 +16,9 @@ use super::export::InputKind;
 use super::input::Node;
 use super::stereo::{CameraCalibration, Half, SecondView, half};
 use super::truth::GroundTruth;
+#[cfg(target_arch = "wasm32")]
+use super::video;
+use super::video::Format;
 use super::{Given, Open, RightView, Source, about, cache, reader, reason, stills};
 use crate::files;
 
@@ -127,13 +131,35 @@ fn with_truth(opened: OpenedClip, left: &LeftView<'_>, options: &Open) -> Result
 
 /// Whether the video at `path`, or the right view beside it, is given to an installed ffmpeg, because no built-in decoder shows it.
 pub(crate) fn needs_ffmpeg(path: &Path) -> bool {
-    let built_in = Open { ffmpeg: false, cache_bytes: 0, ..Open::default() };
-    let is_foreign = |path: &Path| {
-        files::is_file(path)
-            && matches!(reader::kind(path), Ok(Kind::Video(_)))
-            && reader::guarded(|| reader::read(path, &built_in)).is_err()
-    };
+    foreign(path, &Given::default()).next().is_some()
+}
+
+/// Has the browser decode the videos of `paths` that no built-in decoder shows, their right views included, so that [`open`] finds the frames
+/// in memory. Does nothing on a desktop.
+///
+/// # Errors
+/// One sentence that names the file, tells what is wrong and what to do.
+pub async fn decode_ahead(paths: &[&Path], options: &Open) -> Result<(), Error> {
+    #[cfg(target_arch = "wasm32")]
+    for (path, format) in paths.iter().flat_map(|path| foreign(path, &options.given)) {
+        video::browser::decode(&path, format, options).await.map_err(|error| about(&path, &error))?;
+    }
+    #[cfg(not(target_arch = "wasm32"))]
+    let _ = (paths, options);
+    Ok(())
+}
+
+/// The videos at `path` and of its right view that no built-in decoder shows.
+fn foreign(path: &Path, given: &Given) -> impl Iterator<Item = (PathBuf, Format)> {
     let left = LeftView { path, files: &[], size: (0, 0) };
-    let right = SecondView::beside(&left, &built_in.given).map_or_else(Vec::new, |right| right.files());
-    is_foreign(path) || right.iter().any(|path| is_foreign(path))
+    let right = Found::<SecondView>::find(&left, given).map_or_else(Vec::new, |right| right.companion().files());
+    let built_in = Open { ffmpeg: false, cache_bytes: 0, ..Open::default() };
+    // Others are not opened: a pipe could be waited for without end.
+    let all = iter::once(path.to_owned()).chain(right).filter(|path| files::is_file(path));
+    all.filter_map(move |path| match reader::kind(&path) {
+        Ok(Kind::Video(format)) => {
+            reader::guarded(|| reader::read(&path, &built_in)).is_err().then_some((path, format))
+        }
+        _ => None,
+    })
 }

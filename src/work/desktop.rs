@@ -1,11 +1,12 @@
 //! Tasks on threads.
 
+use std::cell::Cell;
 use std::collections::VecDeque;
 use std::io;
 use std::pin::pin;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, sync_channel};
-use std::task::{Context, Poll, Wake};
+use std::task::{Context, Poll, Wake, Waker};
 use std::thread::{self, JoinHandle, Thread};
 use std::time::{Duration, Instant};
 
@@ -49,9 +50,22 @@ pub fn finish<T>(work: impl Future<Output = T>) -> T {
     loop {
         match work.as_mut().poll(&mut context) {
             Poll::Ready(outcome) => return outcome,
-            Poll::Pending => thread::park(),
+            Poll::Pending => match WAKE_AT.take() {
+                Some(time) => thread::park_timeout(time.saturating_duration_since(Instant::now())),
+                None => thread::park(),
+            },
         }
     }
+}
+
+thread_local! {
+    /// When the work of this thread looks again even if nothing wakes it.
+    static WAKE_AT: Cell<Option<Instant>> = const { Cell::new(None) };
+}
+
+/// Has the waiting work of this thread look again at `time`.
+pub(super) fn wake_at(time: Instant, _: &Waker) {
+    WAKE_AT.set(Some(WAKE_AT.get().map_or(time, |earlier| earlier.min(time))));
 }
 
 struct Unpark(Thread);

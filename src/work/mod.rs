@@ -14,12 +14,15 @@ mod signal;
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::pin::pin;
+use std::pin::{Pin, pin};
 
 #[cfg(not(target_arch = "wasm32"))]
 pub use platform::finish;
 pub use platform::{Ahead, IS_SLICED, SLICE, Task, breathe, in_order, sleep, spawn};
 pub use signal::Signal;
+
+/// Work behind a trait, which returns a `T`.
+pub type Boxed<'a, T> = Pin<Box<dyn Future<Output = T> + 'a>>;
 
 /// Does `work`; a panic is an error with its payload.
 ///
@@ -64,6 +67,24 @@ mod tests {
         }
         task.wait(Duration::from_secs(20));
         assert!(task.is_finished());
+    }
+
+    #[test]
+    fn a_signal_wakes_all_that_wait_and_a_wait_has_an_end() {
+        let (signal, value) = (Arc::new(Signal::default()), Arc::<std::sync::Mutex<u32>>::default());
+        let (told, heard) = channel();
+        for _ in 0..3 {
+            let (signal, value, told) = (Arc::clone(&signal), Arc::clone(&value), told.clone());
+            let look = move || Some(*value.lock().unwrap()).filter(|value| *value > 0);
+            let wait = async move || told.send(signal.until_within(Duration::from_secs(20), look).await).unwrap();
+            drop(spawn("wait", wait).expect("a thread"));
+        }
+        *value.lock().unwrap() = 7;
+        signal.notify();
+        assert!((0..3).all(|_| heard.recv().unwrap() == Some(7)));
+        let begun = web_time::Instant::now();
+        assert_eq!(finish(signal.until_within(Duration::from_millis(20), || None::<()>)), None);
+        assert!(begun.elapsed() >= Duration::from_millis(20));
     }
 
     #[test]

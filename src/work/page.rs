@@ -104,18 +104,26 @@ pub async fn sleep(time: Duration) {
     begin_slice();
 }
 
+/// Wakes a task at `time`.
+pub(super) fn wake_at(time: Instant, waker: &Waker) {
+    let waker = waker.clone();
+    let left = time.saturating_duration_since(Instant::now());
+    // Rounded up, so that the time is over by then.
+    let millis = i32::try_from(left.as_millis()).map_or(i32::MAX, |millis| millis.saturating_add(1));
+    set_timeout(&Closure::once_into_js(move || waker.wake()), millis);
+}
+
 /// Notes that a task goes on after a wait.
 pub(super) fn begin_slice() {
     BEGUN.set(Some(Instant::now()));
 }
 
-/// Ends the slice, and waits for one in which other tasks have left some time.
+/// Ends the slice, and waits for one in which other tasks have left some time. Tasks to which none was left come first in the next one.
 async fn next_slice() {
-    loop {
-        wait(|over| TURNS.with(|turns| turns.wait(over))).await;
-        if !is_slice_over() {
-            return;
-        }
+    let mut has_waited = false;
+    while !has_waited || is_slice_over() {
+        wait(|over| TURNS.with(|turns| turns.wait(over, has_waited))).await;
+        has_waited = true;
     }
 }
 
@@ -149,28 +157,31 @@ thread_local! {
 /// Messages of the page to itself: each comes after what the browser has to do, without the least time that timers have.
 struct Turns {
     channel: web_sys::MessageChannel,
-    waiting: Rc<Cell<Vec<Box<dyn FnOnce()>>>>,
+    /// The tasks that had no time in their turn, and those that had some.
+    waiting: [Rc<Cell<Vec<Box<dyn FnOnce()>>>>; 2],
     _received: Closure<dyn FnMut()>,
 }
 
 impl Turns {
     fn new() -> Self {
         let channel = web_sys::MessageChannel::new().expect("every browser that draws the window has channels");
-        let waiting = Rc::<Cell<Vec<Box<dyn FnOnce()>>>>::default();
-        let theirs = Rc::clone(&waiting);
+        let waiting = <[Rc<Cell<Vec<Box<dyn FnOnce()>>>>; 2]>::default();
+        let theirs = waiting.clone();
         let received = Closure::<dyn FnMut()>::new(move || {
             begin_slice();
-            theirs.take().into_iter().for_each(|over| over());
+            // All of them, before the first of them waits again.
+            let turn = theirs.each_ref().map(|tasks| tasks.take());
+            turn.into_iter().flatten().for_each(|over| over());
         });
         channel.port1().set_onmessage(Some(received.as_ref().unchecked_ref()));
         Self { channel, waiting, _received: received }
     }
 
-    fn wait(&self, over: Box<dyn FnOnce()>) {
-        let mut waiting = self.waiting.take();
-        let is_first = waiting.is_empty();
-        waiting.push(over);
-        self.waiting.set(waiting);
+    fn wait(&self, over: Box<dyn FnOnce()>, had_no_time: bool) {
+        let mut waiting = self.waiting.each_ref().map(|tasks| tasks.take());
+        let is_first = waiting.iter().all(Vec::is_empty);
+        waiting[if had_no_time { 0 } else { 1 }].push(over);
+        self.waiting.iter().zip(waiting).for_each(|(tasks, waiting)| tasks.set(waiting));
         if is_first {
             // A channel that is kept does not fail.
             let _ = self.channel.port2().post_message(&JsValue::NULL);

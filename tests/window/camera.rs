@@ -1,11 +1,13 @@
 //! The camera: live, frozen, recorded, saved, and when it fails.
 
+use std::future::ready;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 use eframe::egui::{ViewportCommand, ViewportEvent, ViewportId};
-use motionscope::media::camera::{CameraFeed, Cameras, Device, Format, Size, is_unsaved};
+use motionscope::media::camera::{CameraFeed, Cameras, Device, Format, OpenedFeed, Size, is_unsaved};
+use motionscope::work::Boxed;
 use motionscope_core::base::{Error, Stop};
 
 use super::*;
@@ -34,20 +36,23 @@ impl Default for Fake {
 }
 
 impl Cameras for Fake {
-    fn list(&self) -> (Vec<Device>, Option<Error>) {
+    fn list(&self) -> Boxed<'_, (Vec<Device>, Option<Error>)> {
         let webcam = Device::Camera { name: "HD Webcam".into(), address: "/dev/video0".into() };
-        match &self.trouble {
+        Box::pin(ready(match &self.trouble {
             Some(error) => (vec![Device::TestPicture], Some(error.clone())),
             None => (vec![webcam, Device::TestPicture], None),
-        }
+        }))
     }
 
-    fn open(&self, _: &Device, _: Size, _: &Stop) -> Result<Box<dyn CameraFeed>, Error> {
-        if let Some(error) = &self.refused {
-            return Err(error.clone());
-        }
-        self.most.fetch_max(self.open.fetch_add(1, Ordering::Relaxed) + 1, Ordering::Relaxed);
-        Ok(Box::new(Moving { left: self.frames, at: 0, open: Arc::clone(&self.open), closing: self.closing }))
+    fn open<'a>(&'a self, _: &'a Device, _: Size, _: &'a Stop) -> Boxed<'a, OpenedFeed> {
+        Box::pin(async {
+            if let Some(error) = &self.refused {
+                return Err(error.clone());
+            }
+            self.most.fetch_max(self.open.fetch_add(1, Ordering::Relaxed) + 1, Ordering::Relaxed);
+            let (left, open) = (self.frames, Arc::clone(&self.open));
+            Ok(Box::new(Moving { left, at: 0, open, closing: self.closing }) as Box<dyn CameraFeed>)
+        })
     }
 }
 
@@ -66,11 +71,17 @@ impl Drop for Moving {
 }
 
 impl CameraFeed for Moving {
-    fn begin(&mut self, _: &Stop) -> Result<Format, Error> {
-        Format::parse(b"YUV4MPEG2 W96 H64 F30:1 Ip Cmono")
+    fn begin<'a>(&'a mut self, _: &'a Stop) -> Boxed<'a, Result<Format, Error>> {
+        Box::pin(ready(Format::parse(b"YUV4MPEG2 W96 H64 F30:1 Ip Cmono")))
     }
 
-    fn next(&mut self, stop: &Stop) -> Result<Option<Vec<u8>>, Error> {
+    fn next<'a>(&'a mut self, stop: &'a Stop) -> Boxed<'a, Result<Option<Vec<u8>>, Error>> {
+        Box::pin(async { self.frame(stop) })
+    }
+}
+
+impl Moving {
+    fn frame(&mut self, stop: &Stop) -> Result<Option<Vec<u8>>, Error> {
         thread::sleep(Duration::from_millis(15));
         stop.check()?;
         self.left = self.left.checked_sub(1).ok_or_else(|| Error::new("HD Webcam: it is not there; plug it in"))?;

@@ -1,5 +1,6 @@
 //! Cancellation and progress of work on another thread.
 
+use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -11,14 +12,27 @@ use super::Error;
 #[derive(Clone, Debug, Default)]
 pub struct Stop(Arc<Shared>);
 
-#[derive(Debug, Default)]
+#[derive(Default)]
 struct Shared {
     stop: AtomicBool,
+    /// Sets it as well, where there is no other thread that could.
+    is_over: Option<Box<dyn Fn() -> bool + Send + Sync>>,
     /// Parts that are done, and above them in 32 bits all parts that there are; 0 where none are reported.
     done: AtomicU64,
 }
 
+impl fmt::Debug for Shared {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Shared").field("stop", &self.stop).field("done", &self.done).finish_non_exhaustive()
+    }
+}
+
 impl Stop {
+    /// A flag that is also set while `is_over` says so, which is asked whenever the work looks.
+    pub fn when(is_over: impl Fn() -> bool + Send + Sync + 'static) -> Self {
+        Self(Arc::new(Shared { is_over: Some(Box::new(is_over)), ..Shared::default() }))
+    }
+
     /// Asks the work to stop, or lets it go on.
     pub fn set(&self, stop: bool) {
         self.0.stop.store(stop, Ordering::Relaxed);
@@ -26,7 +40,7 @@ impl Stop {
 
     /// Whether the work should stop.
     pub fn is_set(&self) -> bool {
-        self.0.stop.load(Ordering::Relaxed)
+        self.0.stop.load(Ordering::Relaxed) || self.0.is_over.as_ref().is_some_and(|is_over| is_over())
     }
 
     /// Ends the work with `?`.
@@ -59,6 +73,18 @@ impl Stop {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_condition_sets_it() {
+        let (cause, stop) = (Stop::default(), Stop::default());
+        let also = {
+            let cause = cause.clone();
+            Stop::when(move || cause.is_set())
+        };
+        assert!(also.check().is_ok());
+        cause.set(true);
+        assert!(also.clone().is_set() && !stop.is_set());
+    }
 
     #[test]
     fn clones_are_one() {

@@ -11,9 +11,10 @@ use motionscope_core::base::{Error, Stop};
 use web_time::{Duration, Instant};
 
 use super::devices::described;
-use super::{CameraFeed, Cameras, Device, Format, Platform, Size, Stream, TestPicture};
+use super::{CameraFeed, Cameras, Device, Format, OpenedFeed, Platform, Size, Stream, TestPicture};
 use crate::media::helper::{self, Failure, Limits, Running, program};
 use crate::media::video::ffmpeg::is_old;
+use crate::work::Boxed;
 
 /// Time that ffmpeg may take to list the cameras.
 const LISTING: Duration = Duration::from_secs(10);
@@ -90,16 +91,24 @@ fn unstarted(error: &std::io::Error) -> Error {
 }
 
 impl Cameras for Ffmpeg {
-    fn list(&self) -> (Vec<Device>, Option<Error>) {
-        let (mut all, error) = match self.cameras() {
-            Ok(all) => (all, None),
-            Err(error) => (Vec::new(), Some(error)),
-        };
-        all.push(Device::TestPicture);
-        (all, error)
+    fn list(&self) -> Boxed<'_, (Vec<Device>, Option<Error>)> {
+        Box::pin(async {
+            let (mut all, error) = match self.cameras() {
+                Ok(all) => (all, None),
+                Err(error) => (Vec::new(), Some(error)),
+            };
+            all.push(Device::TestPicture);
+            (all, error)
+        })
     }
 
-    fn open(&self, device: &Device, size: Size, stop: &Stop) -> Result<Box<dyn CameraFeed>, Error> {
+    fn open<'a>(&'a self, device: &'a Device, size: Size, stop: &'a Stop) -> Boxed<'a, OpenedFeed> {
+        Box::pin(async move { self.start(device, size, stop) })
+    }
+}
+
+impl Ffmpeg {
+    fn start(&self, device: &Device, size: Size, stop: &Stop) -> OpenedFeed {
         let Device::Camera { name, address } = device else { return Ok(Box::new(TestPicture::new(size))) };
         let passthrough = if is_old(&self.version(stop)?) { "-vsync" } else { "-fps_mode" };
         let Size { width, height } = size;
@@ -151,17 +160,21 @@ impl Pipe {
 }
 
 impl CameraFeed for Pipe {
-    fn begin(&mut self, stop: &Stop) -> Result<Format, Error> {
-        self.stream.begin(stop).map_err(|error| if stop.is_set() { error } else { self.explained(Some(error)) })
+    fn begin<'a>(&'a mut self, stop: &'a Stop) -> Boxed<'a, Result<Format, Error>> {
+        Box::pin(async {
+            self.stream.format(stop).map_err(|error| if stop.is_set() { error } else { self.explained(Some(error)) })
+        })
     }
 
-    fn next(&mut self, stop: &Stop) -> Result<Option<Vec<u8>>, Error> {
-        match self.stream.next(stop) {
-            Ok(Some(samples)) => Ok(Some(samples)),
-            Err(error) if stop.is_set() => Err(error),
-            // A camera has no end.
-            ended => Err(self.explained(ended.err())),
-        }
+    fn next<'a>(&'a mut self, stop: &'a Stop) -> Boxed<'a, Result<Option<Vec<u8>>, Error>> {
+        Box::pin(async {
+            match self.stream.frame(stop) {
+                Ok(Some(samples)) => Ok(Some(samples)),
+                Err(error) if stop.is_set() => Err(error),
+                // A camera has no end.
+                ended => Err(self.explained(ended.err())),
+            }
+        })
     }
 }
 
@@ -206,6 +219,7 @@ fn reason(said: &str, Size { width, height }: Size, platform: Platform) -> Strin
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::work::finish;
 
     #[test]
     fn why_there_are_no_frames_is_told_with_a_way_out() {
@@ -240,7 +254,7 @@ mod tests {
 
     #[test]
     fn without_ffmpeg_the_test_picture_is_left() {
-        let (all, error) = Ffmpeg::new("no-such-ffmpeg", Platform::Linux, "/nowhere").list();
+        let (all, error) = finish(Ffmpeg::new("no-such-ffmpeg", Platform::Linux, "/nowhere").list());
         assert_eq!(all, [Device::TestPicture]);
         assert!(error.is_some_and(|error| error.to_string().contains("install it (ffmpeg.org)")));
         let denied = unstarted(&ErrorKind::PermissionDenied.into()).to_string();
@@ -253,7 +267,7 @@ mod tests {
         let (_folder, cameras) = fake_with("exec sleep 600", "");
         let (stop, begun) = (Stop::default(), Instant::now());
         stop.set(true);
-        assert!(cameras.open(&camera(), Size::default(), &stop).is_err());
+        assert!(finish(cameras.open(&camera(), Size::default(), &stop)).is_err());
         assert!(begun.elapsed() < LISTING / 2, "{:?}", begun.elapsed());
     }
 
@@ -289,13 +303,14 @@ mod tests {
                       printf 'YUV4MPEG2 W2 H1 Cmono\\nFRAME\\nabFRAME\\ncd';;\n\
                       *) echo \"$*\" >&2; exit 1;; esac";
         let (_folder, cameras) = fake(script);
-        let (all, error) = cameras.list();
+        let (all, error) = finish(cameras.list());
         assert_eq!((all.as_slice(), error), (&[camera(), Device::TestPicture][..], None));
-        let (mut feed, stop) = (cameras.open(&all[0], Size::default(), &Stop::default()).unwrap(), Stop::default());
-        assert_eq!(feed.begin(&stop).unwrap().size(), (2, 1));
-        assert_eq!(feed.next(&stop), Ok(Some(b"ab".to_vec())));
-        assert_eq!(feed.next(&stop), Ok(Some(b"cd".to_vec())));
-        let ended = feed.next(&stop).unwrap_err().to_string();
+        let stop = Stop::default();
+        let mut feed = finish(cameras.open(&all[0], Size::default(), &stop)).unwrap();
+        assert_eq!(finish(feed.begin(&stop)).unwrap().size(), (2, 1));
+        assert_eq!(finish(feed.next(&stop)), Ok(Some(b"ab".to_vec())));
+        assert_eq!(finish(feed.next(&stop)), Ok(Some(b"cd".to_vec())));
+        let ended = finish(feed.next(&stop)).unwrap_err().to_string();
         assert_eq!(ended, "Webcam: it sends no more frames; plug it in again and choose it again");
     }
 
@@ -303,8 +318,8 @@ mod tests {
     #[test]
     fn what_ffmpeg_says_is_told() {
         let (_folder, cameras) = fake("echo '/dev/video7: Device or resource busy' >&2; exit 1");
-        let mut feed = cameras.open(&camera(), Size::default(), &Stop::default()).unwrap();
-        let said = feed.begin(&Stop::default()).unwrap_err().to_string();
+        let mut feed = finish(cameras.open(&camera(), Size::default(), &Stop::default())).unwrap();
+        let said = finish(feed.begin(&Stop::default())).unwrap_err().to_string();
         assert!(said.starts_with("Webcam: another program uses it"), "{said}");
     }
 
@@ -313,9 +328,9 @@ mod tests {
     fn the_process_ends_with_its_feed() {
         let script = "echo $$ > \"$0.id\"; printf 'YUV4MPEG2 W2 H1 Cmono\\nFRAME\\nab'; exec sleep 600";
         let (folder, cameras) = fake(script);
-        let feed = cameras.open(&camera(), Size::default(), &Stop::default()).unwrap();
+        let feed = finish(cameras.open(&camera(), Size::default(), &Stop::default())).unwrap();
         let camera = super::super::Camera::start(feed, || {}).unwrap();
-        assert!(camera.wait_for(0, Duration::from_secs(10)).is_some());
+        assert!(finish(camera.wait_for(0, Duration::from_secs(10))).is_some());
         let id = std::fs::read_to_string(folder.path().join("ffmpeg.id")).unwrap();
         let process = PathBuf::from("/proc").join(id.trim());
         assert!(process.exists());

@@ -1,7 +1,6 @@
 //! Frames of a camera as a clip: Y4M video, the samples as they came.
 
-use std::fs::File;
-use std::io::{self, BufWriter, Seek, SeekFrom, Write};
+use std::io::{self, BufWriter, Cursor, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use motionscope_core::base::{Error, Stop};
@@ -13,6 +12,8 @@ use crate::files::{self, temporary};
 use crate::media::names::file_name;
 use crate::media::{Progress, export};
 
+/// The line before each frame.
+const FRAME: &[u8] = b"FRAME\n";
 /// Room for the measured rate in the first line of a file.
 const RATE_ROOM: usize = 24;
 /// The shortest recording of which the rate is measured.
@@ -63,16 +64,29 @@ pub fn keep(format: &Format, shots: &[Shot], name: &str) -> Result<Kept, Error> 
         Error::new(format!("the recording cannot be kept in {} ({error}); make room there", place.display()))
     };
     let _at_work = temporary::at_work();
-    let folder = temporary::folder(&place).map_err(cannot)?;
+    // In a page it may be the first file of all.
+    let folder = files::create_dir_all(&place).and_then(|()| temporary::folder(&place)).map_err(cannot)?;
     let (path, rate) = (folder.path().join(format!("{name}.y4m")), rate(shots));
-    let write = || {
-        let mut file = BufWriter::new(File::create(&path)?);
-        file.write_all(format.head(rate).as_bytes())?;
-        shots.iter().try_for_each(|shot| put(&mut file, shot.samples()))?;
-        file.flush()
-    };
-    write().map_err(cannot)?;
+    let frames = shots.iter().flat_map(|shot| [FRAME, shot.samples()]);
+    let mut video = Cursor::new(format.head(rate)).chain(Pieces { pieces: frames, piece: &[] });
+    files::write_from(&path, &mut video).map_err(cannot)?;
     Ok(Kept { _folder: folder, path, frames: shots.len(), rate })
+}
+
+/// Pieces of bytes, read one behind the other.
+struct Pieces<'a, I> {
+    pieces: I,
+    piece: &'a [u8],
+}
+
+impl<'a, I: Iterator<Item = &'a [u8]>> Read for Pieces<'a, I> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        while self.piece.is_empty() {
+            let Some(piece) = self.pieces.next() else { return Ok(0) };
+            self.piece = piece;
+        }
+        self.piece.read(buffer)
+    }
 }
 
 /// The first line of a file of frames, filled with spaces to `width` bytes with its end.
@@ -98,7 +112,7 @@ fn length(times: &[Duration]) -> Duration {
 }
 
 fn put(file: &mut impl Write, samples: &[u8]) -> io::Result<()> {
-    file.write_all(b"FRAME\n")?;
+    file.write_all(FRAME)?;
     file.write_all(samples)
 }
 
@@ -120,7 +134,7 @@ pub struct Recorded {
 ///
 /// # Errors
 /// If the camera sends fewer than two frames, the file cannot be written, or the work was cancelled.
-pub fn record(
+pub async fn record(
     mut feed: Box<dyn CameraFeed>,
     time: Duration,
     out: &Path,
@@ -132,7 +146,7 @@ pub fn record(
     let target = files::canonicalize(out).unwrap_or_else(|_| out.to_owned());
     // Before the camera is switched on.
     let draft = files::draft(&target).map_err(cannot)?;
-    let format = feed.begin(&stop)?;
+    let format = feed.begin(&stop).await?;
     let (mut file, mut times) = (BufWriter::new(draft), Vec::<Duration>::new());
     let head = format.head(None);
     let width = head.len() + RATE_ROOM;
@@ -142,7 +156,7 @@ pub fn record(
         if progress.is_some_and(Progress::cancelled) {
             return Err(Error::new("recording was cancelled"));
         }
-        let samples = match feed.next(&stop) {
+        let samples = match feed.next(&stop).await {
             Ok(Some(samples)) => samples,
             Ok(None) => break Some(Error::new("the camera sends no more frames")),
             Err(error) => break Some(error),
@@ -170,16 +184,27 @@ pub fn record(
 #[cfg(test)]
 mod tests {
     use std::fs;
+    use std::future::ready;
 
     use super::super::{Camera, Size, TestPicture};
     use super::*;
     use crate::media::{Open, open};
+    use crate::work::{Boxed, finish};
+
+    fn recorded(
+        feed: Box<dyn CameraFeed>,
+        time: Duration,
+        out: &Path,
+        progress: Option<&dyn Progress>,
+    ) -> Result<Recorded, Error> {
+        finish(record(feed, time, out, progress))
+    }
 
     #[test]
     fn what_is_kept_is_a_clip_until_it_is_dropped() {
         let feed = Box::new(TestPicture::new(Size::new(64, 48)));
         let camera = Camera::start(feed, || {}).unwrap();
-        camera.wait_for(4, Duration::from_secs(10)).expect("frames");
+        finish(camera.wait_for(4, Duration::from_secs(10))).expect("frames");
         let (format, shots) = (camera.format().unwrap(), camera.last(Duration::from_secs(5)));
         assert!(keep(&format, &shots[..1], "camera").is_err());
         let kept = keep(&format, &shots, "camera-1").unwrap();
@@ -199,13 +224,14 @@ mod tests {
     struct Some3(usize);
 
     impl CameraFeed for Some3 {
-        fn begin(&mut self, _: &Stop) -> Result<Format, Error> {
-            Format::parse(b"YUV4MPEG2 W2 H1 F30:1 Cmono")
+        fn begin<'a>(&'a mut self, _: &'a Stop) -> Boxed<'a, Result<Format, Error>> {
+            Box::pin(ready(Format::parse(b"YUV4MPEG2 W2 H1 F30:1 Cmono")))
         }
 
-        fn next(&mut self, _: &Stop) -> Result<Option<Vec<u8>>, Error> {
-            self.0 = self.0.checked_sub(1).ok_or_else(|| Error::new("it was unplugged"))?;
-            Ok(Some(vec![7; 2]))
+        fn next<'a>(&'a mut self, _: &'a Stop) -> Boxed<'a, Result<Option<Vec<u8>>, Error>> {
+            let left = self.0.checked_sub(1).ok_or_else(|| Error::new("it was unplugged"));
+            self.0 = self.0.saturating_sub(1);
+            Box::pin(ready(left.map(|_| Some(vec![7; 2]))))
         }
     }
 
@@ -216,13 +242,13 @@ mod tests {
     }
 
     impl CameraFeed for Paced {
-        fn begin(&mut self, _: &Stop) -> Result<Format, Error> {
-            Format::parse(format!("YUV4MPEG2 W2 H1 F{}:1 Cmono", self.fps).as_bytes())
+        fn begin<'a>(&'a mut self, _: &'a Stop) -> Boxed<'a, Result<Format, Error>> {
+            Box::pin(ready(Format::parse(format!("YUV4MPEG2 W2 H1 F{}:1 Cmono", self.fps).as_bytes())))
         }
 
-        fn next(&mut self, _: &Stop) -> Result<Option<Vec<u8>>, Error> {
+        fn next<'a>(&'a mut self, _: &'a Stop) -> Boxed<'a, Result<Option<Vec<u8>>, Error>> {
             std::thread::sleep(self.pause);
-            Ok(Some(vec![7; 2]))
+            Box::pin(ready(Ok(Some(vec![7; 2]))))
         }
     }
 
@@ -230,7 +256,7 @@ mod tests {
     fn the_measured_rate_is_in_the_recording() {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("a.y4m");
-        let done = record(
+        let done = recorded(
             Box::new(Paced { fps: 240, pause: Duration::from_millis(20) }),
             Duration::from_millis(200),
             &out,
@@ -247,7 +273,7 @@ mod tests {
     fn a_recording_ends_with_the_frame_before_its_time_is_over() {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("a.y4m");
-        let done = record(
+        let done = recorded(
             Box::new(Paced { fps: 30, pause: Duration::from_millis(60) }),
             Duration::from_millis(300),
             &out,
@@ -265,7 +291,7 @@ mod tests {
         let [target, link] = ["target.y4m", "link.y4m"].map(|name| folder.path().join(name));
         fs::write(&target, "old").unwrap();
         std::os::unix::fs::symlink(&target, &link).unwrap();
-        record(Box::new(Some3(3)), Duration::from_secs(9), &link, None).unwrap();
+        recorded(Box::new(Some3(3)), Duration::from_secs(9), &link, None).unwrap();
         assert!(link.is_symlink() && fs::read(&target).unwrap().starts_with(b"YUV4MPEG2"));
     }
 
@@ -273,13 +299,13 @@ mod tests {
     fn a_camera_that_ends_leaves_what_came() {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("a.y4m");
-        let done = record(Box::new(Some3(3)), Duration::from_secs(9), &out, None).unwrap();
+        let done = recorded(Box::new(Some3(3)), Duration::from_secs(9), &out, None).unwrap();
         assert_eq!((done.frames, done.ended), (3, Some(Error::new("it was unplugged"))));
         assert_eq!(open(&out, &Open::default()).unwrap().clip.info().frames, Some(3));
-        let none = record(Box::new(Some3(1)), Duration::from_secs(9), &folder.path().join("b.y4m"), None);
+        let none = recorded(Box::new(Some3(1)), Duration::from_secs(9), &folder.path().join("b.y4m"), None);
         assert!(none.unwrap_err().to_string().contains("b.y4m was not recorded: it was unplugged"));
         let nowhere = folder.path().join("no/c.y4m");
-        assert!(record(Box::new(Some3(3)), Duration::from_secs(9), &nowhere, None).is_err());
+        assert!(recorded(Box::new(Some3(3)), Duration::from_secs(9), &nowhere, None).is_err());
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "nothing else is left");
     }
 }

@@ -1,22 +1,27 @@
 //! Cameras: their list, their frames, and recordings of them as clips.
 //!
-//! A [`CameraFeed`] delivers frames one after the other: the pipe of the user's own ffmpeg, or a moving test picture. A
-//! [`Camera`] reads it on a thread of its own and remembers the last seconds, of which [`keep`] makes a clip.
+//! A [`CameraFeed`] delivers frames one after the other: the pipe of the user's own ffmpeg, a stream of the browser in a page, or a moving
+//! test picture. A [`Camera`] reads it in a task of its own and remembers the last seconds, of which [`keep`] makes a clip.
 //!
-//! Closing a camera waits a fraction of a second at most. A feed that cannot be interrupted is left behind, and the next camera
-//! waits on its own thread until all earlier ones have ended; the application keeps these in `Closing`.
+//! Closing a camera waits a fraction of a second at most. A feed that cannot be interrupted is left behind, and the task of the next
+//! camera waits until all earlier ones have ended; the application keeps these in `Closing`.
 
 mod devices;
 mod ffmpeg;
 mod format;
 mod keep;
+#[cfg(target_arch = "wasm32")]
+mod page;
 mod reading;
 mod stream;
 mod test_picture;
 
+use std::sync::Arc;
+
 use motionscope_core::base::{Error, Stop};
 use serde::{Deserialize, Serialize};
 
+use crate::work::Boxed;
 pub use devices::Platform;
 pub use ffmpeg::Ffmpeg;
 pub use format::Format;
@@ -32,7 +37,7 @@ pub enum Device {
     Camera {
         /// Its name, as the system calls it.
         name: String,
-        /// Its name for ffmpeg.
+        /// Its name for ffmpeg, or its id in a browser.
         address: String,
     },
     /// A moving pattern that needs no camera.
@@ -125,26 +130,37 @@ pub trait CameraFeed: Send {
     ///
     /// # Errors
     /// One sentence that says why there are no frames and what to do.
-    fn begin(&mut self, stop: &Stop) -> Result<Format, Error>;
+    fn begin<'a>(&'a mut self, stop: &'a Stop) -> Boxed<'a, Result<Format, Error>>;
 
     /// Waits for the next frame, and returns its samples; `None` where the feed ends.
     ///
     /// # Errors
     /// One sentence that says why there are no more frames, or that `stop` was set.
-    fn next(&mut self, stop: &Stop) -> Result<Option<Vec<u8>>, Error>;
+    fn next<'a>(&'a mut self, stop: &'a Stop) -> Boxed<'a, Result<Option<Vec<u8>>, Error>>;
 }
 
 /// The cameras of a computer.
 pub trait Cameras: Send + Sync {
     /// Returns the sources of frames, of which the test picture is always the last, and the error that kept cameras from being
     /// listed, if there was one. May take a second.
-    fn list(&self) -> (Vec<Device>, Option<Error>);
+    fn list(&self) -> Boxed<'_, (Vec<Device>, Option<Error>)>;
 
     /// Opens a source of frames of this size, or of the nearest one that it has; its first frames may take a while.
     ///
     /// # Errors
     /// One sentence that says why it cannot be opened and what to do, or that `stop` was set.
-    fn open(&self, device: &Device, size: Size, stop: &Stop) -> Result<Box<dyn CameraFeed>, Error>;
+    fn open<'a>(&'a self, device: &'a Device, size: Size, stop: &'a Stop) -> Boxed<'a, OpenedFeed>;
+}
+
+/// A feed that was opened, or why it was not.
+pub type OpenedFeed = Result<Box<dyn CameraFeed>, Error>;
+
+/// The cameras of this computer: those that ffmpeg reaches, or in a page those of the browser.
+pub fn cameras() -> Arc<dyn Cameras> {
+    #[cfg(not(target_arch = "wasm32"))]
+    return Arc::new(Ffmpeg::default());
+    #[cfg(target_arch = "wasm32")]
+    Arc::new(page::Browser)
 }
 
 #[cfg(test)]

@@ -1,14 +1,14 @@
-//! A camera that is on: its feed on a thread of its own, and the last seconds of it.
+//! A camera that is on: its feed in a task of its own, and the last seconds of it.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
-use std::thread;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
 use motionscope_core::base::{Error, Stop};
 use motionscope_core::data::Frame;
 use web_time::{Duration, Instant};
 
-use super::{CameraFeed, Format};
+use super::{CameraFeed, Format, OpenedFeed};
+use crate::work::{self, Signal, Task};
 
 /// Memory that the remembered frames take at most, and that a recording takes at most.
 const MOST_BYTES: usize = 512 << 20;
@@ -20,7 +20,7 @@ const MEASURED: Duration = Duration::from_secs(2);
 const GRACE: Duration = Duration::from_millis(250);
 /// How long a camera may take to end, from its closing on, before another is opened all the same.
 const CLOSING: Duration = Duration::from_secs(5);
-/// How often a waiting thread asks whether it should stop.
+/// How often a waiting task asks whether it should stop.
 const POLL: Duration = Duration::from_millis(20);
 
 /// A frame as it came.
@@ -85,7 +85,7 @@ impl Recording {
     }
 }
 
-/// The state of the thread of a camera.
+/// The state of the task of a camera.
 #[derive(Default)]
 struct State {
     format: Option<Format>,
@@ -115,7 +115,7 @@ impl State {
 #[derive(Default)]
 struct Shared {
     state: Mutex<State>,
-    news: Condvar,
+    news: Signal,
 }
 
 impl Shared {
@@ -124,10 +124,8 @@ impl Shared {
     }
 
     /// Waits for the end of the feed, but no longer than `longest`.
-    fn wait_for_end(&self, longest: Duration) {
-        let is_on = |state: &mut State| state.ended.is_none();
-        let waited = self.news.wait_timeout_while(self.state(), longest, is_on);
-        drop(waited.unwrap_or_else(PoisonError::into_inner));
+    async fn wait_for_end(&self, longest: Duration) {
+        self.news.until_within(longest, || self.state().ended.as_ref().map(drop)).await;
     }
 
     /// Whether the next camera waits for the end of this one: it has not ended, and it is on or has been closed a short while ago.
@@ -141,6 +139,7 @@ impl Shared {
 pub struct Camera {
     shared: Arc<Shared>,
     stop: Stop,
+    task: Task,
 }
 
 /// The cameras that were opened one after the other and have not ended, so that none is opened while an earlier one still closes.
@@ -163,67 +162,70 @@ impl Closing {
 ///
 /// # Errors
 /// If `stop` is set.
-fn wait_for_all(cameras: &[Weak<Shared>], stop: &Stop) -> Result<(), Error> {
+async fn wait_for_all(cameras: &[Weak<Shared>], stop: &Stop) -> Result<(), Error> {
     for camera in cameras {
         while let Some(camera) = camera.upgrade().filter(|camera| camera.is_awaited()) {
             stop.check()?;
-            camera.wait_for_end(POLL);
+            camera.wait_for_end(POLL).await;
         }
     }
     stop.check()
 }
 
 impl Camera {
-    /// Reads `feed`. `changed` is called from another thread with each frame, and at the end.
+    /// Reads `feed`. `changed` is called by the task with each frame, and at the end.
     ///
     /// # Errors
     /// If the system gives no thread.
     pub fn start(feed: Box<dyn CameraFeed>, changed: impl Fn() + Send + 'static) -> Result<Self, Error> {
-        Self::open(|_| Ok(feed), changed)
+        Self::open(async |_| Ok(feed), changed)
     }
 
-    /// As [`Camera::start`], with the feed that `open` opens on the same thread; its stop is set when the camera is dropped.
+    /// As [`Camera::start`], with the feed that `open` opens in the same task; its stop is set when the camera is dropped.
     ///
     /// # Errors
     /// If the system gives no thread.
     pub fn open(
-        open: impl FnOnce(&Stop) -> Result<Box<dyn CameraFeed>, Error> + Send + 'static,
+        open: impl AsyncFnOnce(&Stop) -> OpenedFeed + Send + 'static,
         changed: impl Fn() + Send + 'static,
     ) -> Result<Self, Error> {
         Self::open_after(&Closing::default(), open, changed)
     }
 
-    /// As [`Camera::open`], once the earlier cameras of `closing` have ended: the thread waits for them. This camera is one of them
+    /// As [`Camera::open`], once the earlier cameras of `closing` have ended: the task waits for them. This camera is one of them
     /// from now on.
     ///
     /// # Errors
     /// If the system gives no thread.
     pub fn open_after(
         closing: &Closing,
-        open: impl FnOnce(&Stop) -> Result<Box<dyn CameraFeed>, Error> + Send + 'static,
+        open: impl AsyncFnOnce(&Stop) -> OpenedFeed + Send + 'static,
         changed: impl Fn() + Send + 'static,
     ) -> Result<Self, Error> {
         let shared = Arc::new(Shared::default());
         shared.state().remembered = REMEMBERED;
         let stop = Stop::default();
         let (theirs, asked, earlier) = (Arc::clone(&shared), stop.clone(), closing.add(&shared));
-        let read = move || {
-            let feed = wait_for_all(&earlier, &asked).and_then(|()| open(&asked));
-            let ended = feed.and_then(|feed| read(feed, &theirs, &asked, &changed)).err();
+        let run = async move || {
+            let read = async {
+                wait_for_all(&earlier, &asked).await?;
+                read(open(&asked).await?, &theirs, &asked, &changed).await
+            };
+            let ended = read.await.err();
             theirs.state().ended = Some(ended.unwrap_or_else(|| Error::new("the camera sends no more frames")));
-            theirs.news.notify_all();
+            theirs.news.notify();
             changed();
         };
-        let thread = thread::Builder::new().name("camera feed".into()).spawn(read);
-        thread.map_err(|error| Error::new(format!("no thread could be started for the camera ({error})")))?;
-        Ok(Self { shared, stop })
+        let task = work::spawn("camera feed", run);
+        let task = task.map_err(|error| Error::new(format!("no thread could be started for the camera ({error})")))?;
+        Ok(Self { shared, stop, task })
     }
 
     /// Ends the feed, and waits for its end, but no longer than `longest`: whatever cannot be interrupted is left behind.
     pub fn close(&self, longest: Duration) {
         self.stop.set(true);
         self.shared.state().closed.get_or_insert_with(Instant::now);
-        self.shared.wait_for_end(longest);
+        self.task.wait(longest);
     }
 
     /// Remembers the frames of the last `time`.
@@ -243,11 +245,14 @@ impl Camera {
 
     /// Waits for a frame of number `index` or a later one, and returns the newest; `None` if there is none in `time`, or the feed
     /// has ended before it.
-    pub fn wait_for(&self, index: u64, time: Duration) -> Option<Shot> {
-        let newest = |state: &State| state.shots.back().filter(|shot| shot.index >= index).cloned();
-        let waits = |state: &mut State| state.ended.is_none() && newest(state).is_none();
-        let waited = self.shared.news.wait_timeout_while(self.shared.state(), time, waits);
-        newest(&waited.unwrap_or_else(PoisonError::into_inner).0)
+    pub async fn wait_for(&self, index: u64, time: Duration) -> Option<Shot> {
+        let look = || {
+            let state = self.shared.state();
+            let newest = state.shots.back().filter(|shot| shot.index >= index).cloned();
+            // Without an end and without a frame it is looked for again.
+            (newest.is_some() || state.ended.is_some()).then_some(newest)
+        };
+        self.shared.news.until_within(time, look).await.flatten()
     }
 
     /// The newest frame, if one has come.
@@ -307,23 +312,27 @@ pub(super) fn rate(shots: &[Shot]) -> Option<f64> {
 }
 
 /// Reads a feed to its end.
-fn read(mut feed: Box<dyn CameraFeed>, shared: &Shared, stop: &Stop, changed: &dyn Fn()) -> Result<(), Error> {
-    let format = feed.begin(stop)?;
+async fn read(mut feed: Box<dyn CameraFeed>, shared: &Shared, stop: &Stop, changed: &dyn Fn()) -> Result<(), Error> {
+    let format = feed.begin(stop).await?;
     let begun = Instant::now();
     shared.state().format = Some(format);
-    while let Some(samples) = feed.next(stop)? {
+    while let Some(samples) = feed.next(stop).await? {
         shared.state().push(begun.elapsed(), samples);
-        shared.news.notify_all();
+        shared.news.notify();
         changed();
+        work::breathe().await;
     }
     Ok(())
 }
 
 #[cfg(test)]
 mod tests {
+    use std::future::ready;
     use std::sync::atomic::{AtomicBool, Ordering};
+    use std::thread;
 
     use super::*;
+    use crate::work::{Boxed, finish};
 
     fn state(remembered_ms: u64, frames: u64) -> State {
         let mut state = State { remembered: Duration::from_millis(remembered_ms), ..State::default() };
@@ -375,9 +384,10 @@ mod tests {
             (0..330).for_each(|t| state.push(jitter(t), vec![t as u8; 4]));
             let recording = state.recording.take().unwrap();
             assert_eq!((recording.shots.len(), recording.is_whole), (wanted, true), "{seconds} s");
-            let camera = Camera { shared: Arc::default(), stop: Stop::default() };
-            *camera.shared.state() = state;
-            camera.shared.state().ended = Some(Error::new("it was unplugged"));
+            let camera = Camera::open(async |_| Err(Error::new("it was unplugged")), || {}).unwrap();
+            camera.close(Duration::from_secs(10));
+            let ended = camera.ended();
+            *camera.shared.state() = State { ended, ..state };
             let last = camera.last(time);
             assert_eq!((last.len(), last.last().map(|shot| shot.index)), (wanted, Some(329)), "the last {seconds} s");
         }
@@ -386,24 +396,29 @@ mod tests {
         assert_eq!(inside.count(), 2, "motion needs a pair");
     }
 
+    /// The format of tiny gray frames.
+    fn gray() -> Boxed<'static, Result<Format, Error>> {
+        Box::pin(ready(Format::parse(b"YUV4MPEG2 W2 H1 F30:1 Cmono")))
+    }
+
     /// A feed that answers no request to stop for a while.
     struct Stuck;
 
     impl CameraFeed for Stuck {
-        fn begin(&mut self, _: &Stop) -> Result<Format, Error> {
-            Format::parse(b"YUV4MPEG2 W2 H1 F30:1 Cmono")
+        fn begin<'a>(&'a mut self, _: &'a Stop) -> Boxed<'a, Result<Format, Error>> {
+            gray()
         }
 
-        fn next(&mut self, _: &Stop) -> Result<Option<Vec<u8>>, Error> {
+        fn next<'a>(&'a mut self, _: &'a Stop) -> Boxed<'a, Result<Option<Vec<u8>>, Error>> {
             thread::sleep(Duration::from_secs(3));
-            Ok(None)
+            Box::pin(ready(Ok(None)))
         }
     }
 
     #[test]
     fn a_camera_that_does_not_end_is_left_behind() {
         let closing = Closing::default();
-        let camera = Camera::open_after(&closing, |_| Ok(Box::new(Stuck)), || {}).unwrap();
+        let camera = Camera::open_after(&closing, async |_| Ok(Box::new(Stuck) as Box<dyn CameraFeed>), || {}).unwrap();
         while camera.format().is_none() {
             thread::sleep(Duration::from_millis(1));
         }
@@ -413,8 +428,11 @@ mod tests {
         let earlier = closing.add(&Arc::default());
         let cancelled = Stop::default();
         cancelled.set(true);
-        assert!(wait_for_all(&earlier, &cancelled).is_err() && shared.state().ended.is_none(), "that can be cancelled");
-        wait_for_all(&earlier, &Stop::default()).unwrap();
+        assert!(
+            finish(wait_for_all(&earlier, &cancelled)).is_err() && shared.state().ended.is_none(),
+            "that can be cancelled"
+        );
+        finish(wait_for_all(&earlier, &Stop::default())).unwrap();
         assert!(shared.state().ended.is_some(), "the next camera waits for it");
         assert!(closing.add(&Arc::default()).is_empty(), "it is over");
     }
@@ -428,7 +446,7 @@ mod tests {
         let earlier = closing.add(&Arc::default());
         assert_eq!(earlier.len(), 1, "it has not ended");
         let begun = Instant::now();
-        wait_for_all(&earlier, &Stop::default()).unwrap();
+        finish(wait_for_all(&earlier, &Stop::default())).unwrap();
         assert!(begun.elapsed() < CLOSING, "{:?}", begun.elapsed());
     }
 
@@ -436,15 +454,15 @@ mod tests {
     struct Lingering(Arc<AtomicBool>);
 
     impl CameraFeed for Lingering {
-        fn begin(&mut self, _: &Stop) -> Result<Format, Error> {
-            Format::parse(b"YUV4MPEG2 W2 H1 F30:1 Cmono")
+        fn begin<'a>(&'a mut self, _: &'a Stop) -> Boxed<'a, Result<Format, Error>> {
+            gray()
         }
 
-        fn next(&mut self, _: &Stop) -> Result<Option<Vec<u8>>, Error> {
+        fn next<'a>(&'a mut self, _: &'a Stop) -> Boxed<'a, Result<Option<Vec<u8>>, Error>> {
             while !self.0.load(Ordering::Relaxed) {
                 thread::sleep(Duration::from_millis(1));
             }
-            Ok(None)
+            Box::pin(ready(Ok(None)))
         }
     }
 
@@ -454,9 +472,9 @@ mod tests {
         let opened = Arc::<Mutex<Vec<&str>>>::default();
         let open = |name: &'static str| {
             let (opened, may_end) = (Arc::clone(&opened), Arc::clone(&may_end));
-            let feed = move |_: &Stop| -> Result<Box<dyn CameraFeed>, Error> {
+            let feed = async move |_: &Stop| {
                 opened.lock().unwrap().push(name);
-                Ok(Box::new(Lingering(may_end)))
+                Ok(Box::new(Lingering(may_end)) as Box<dyn CameraFeed>)
             };
             Camera::open_after(&closing, feed, || {}).unwrap()
         };
@@ -470,10 +488,10 @@ mod tests {
         second.close(Duration::from_secs(10));
         assert!(second.ended().is_some(), "it needs no end of the first");
         let third = open("third");
-        assert!(third.wait_for(0, Duration::from_millis(100)).is_none());
+        assert!(finish(third.wait_for(0, Duration::from_millis(100))).is_none());
         assert_eq!(*opened.lock().unwrap(), ["first"], "none is opened beside it");
         may_end.store(true, Ordering::Relaxed);
-        assert!(third.wait_for(0, Duration::from_secs(10)).is_none() && third.ended().is_some());
+        assert!(finish(third.wait_for(0, Duration::from_secs(10))).is_none() && third.ended().is_some());
         assert_eq!(*opened.lock().unwrap(), ["first", "third"]);
     }
 
@@ -481,14 +499,16 @@ mod tests {
     struct Three(u8, Option<Error>);
 
     impl CameraFeed for Three {
-        fn begin(&mut self, _: &Stop) -> Result<Format, Error> {
-            Format::parse(b"YUV4MPEG2 W2 H1 F30:1 Cmono")
+        fn begin<'a>(&'a mut self, _: &'a Stop) -> Boxed<'a, Result<Format, Error>> {
+            gray()
         }
 
-        fn next(&mut self, _: &Stop) -> Result<Option<Vec<u8>>, Error> {
-            thread::sleep(Duration::from_millis(5));
-            self.0 += 1;
-            if self.0 <= 3 { Ok(Some(vec![self.0; 2])) } else { self.1.clone().map_or(Ok(None), Err) }
+        fn next<'a>(&'a mut self, _: &'a Stop) -> Boxed<'a, Result<Option<Vec<u8>>, Error>> {
+            Box::pin(async {
+                work::sleep(Duration::from_millis(5)).await;
+                self.0 += 1;
+                if self.0 <= 3 { Ok(Some(vec![self.0; 2])) } else { self.1.clone().map_or(Ok(None), Err) }
+            })
         }
     }
 
@@ -496,9 +516,9 @@ mod tests {
     fn what_came_stays_after_the_end() {
         for (error, told) in [(None, "no more frames"), (Some(Error::new("it was unplugged")), "unplugged")] {
             let camera = Camera::start(Box::new(Three(0, error)), || {}).unwrap();
-            let last = camera.wait_for(2, Duration::from_secs(10)).expect("the third");
+            let last = finish(camera.wait_for(2, Duration::from_secs(10))).expect("the third");
             assert_eq!(last.frame(&camera.format().unwrap()).unwrap().luma().cells(), [3, 3]);
-            assert!(camera.wait_for(3, Duration::from_secs(10)).is_none(), "it has ended");
+            assert!(finish(camera.wait_for(3, Duration::from_secs(10))).is_none(), "it has ended");
             assert!(camera.ended().unwrap().to_string().contains(told));
             assert_eq!(camera.last(Duration::from_secs(5)).len(), 3);
             assert!(!camera.has_recording() && camera.recorded().is_none());
@@ -506,8 +526,8 @@ mod tests {
             assert!(camera.has_recording() && camera.take_recording().is_empty(), "nothing comes after the end");
             assert_eq!(camera.recorded(), None);
         }
-        let refused = Camera::open(|_| Err(Error::new("it is busy")), || {}).unwrap();
-        assert!(refused.wait_for(0, Duration::from_secs(10)).is_none());
+        let refused = Camera::open(async |_| Err(Error::new("it is busy")), || {}).unwrap();
+        assert!(finish(refused.wait_for(0, Duration::from_secs(10))).is_none());
         assert_eq!(refused.ended(), Some(Error::new("it is busy")));
     }
 }

@@ -9,6 +9,7 @@ use web_time::{Duration, Instant};
 
 use super::{CameraFeed, Format};
 use crate::media::video::y4m::MAX_LINE_BYTES;
+use crate::work::Boxed;
 
 /// How often a waiting thread asks whether it should stop.
 const POLL: Duration = Duration::from_millis(10);
@@ -79,19 +80,31 @@ impl Stream {
     }
 }
 
-impl CameraFeed for Stream {
-    fn begin(&mut self, stop: &Stop) -> Result<Format, Error> {
+impl Stream {
+    /// As [`CameraFeed::begin`], on this thread.
+    pub(super) fn format(&self, stop: &Stop) -> Result<Format, Error> {
         match self.receive(stop, FIRST.max(self.stalled))? {
             Some(Item::Format(format)) => Ok(format),
             _ => Err(Error::new("no frame came; plug the camera in again, or choose another one")),
         }
     }
 
-    fn next(&mut self, stop: &Stop) -> Result<Option<Vec<u8>>, Error> {
+    /// As [`CameraFeed::next`], on this thread.
+    pub(super) fn frame(&self, stop: &Stop) -> Result<Option<Vec<u8>>, Error> {
         match self.receive(stop, self.stalled)? {
             Some(Item::Frame(samples)) => Ok(Some(samples)),
             _ => Ok(None),
         }
+    }
+}
+
+impl CameraFeed for Stream {
+    fn begin<'a>(&'a mut self, stop: &'a Stop) -> Boxed<'a, Result<Format, Error>> {
+        Box::pin(async { self.format(stop) })
+    }
+
+    fn next<'a>(&'a mut self, stop: &'a Stop) -> Boxed<'a, Result<Option<Vec<u8>>, Error>> {
+        Box::pin(async { self.frame(stop) })
     }
 }
 
@@ -129,23 +142,23 @@ mod tests {
 
     #[test]
     fn frames_come_until_the_pipe_ends() {
-        let mut stream = stream(b"YUV4MPEG2 W2 H1 Cmono\nFRAME\nabFRAME Ip\ncdFRAME\ne");
+        let stream = stream(b"YUV4MPEG2 W2 H1 Cmono\nFRAME\nabFRAME Ip\ncdFRAME\ne");
         let stop = Stop::default();
-        assert_eq!(stream.begin(&stop).unwrap().size(), (2, 1));
-        assert_eq!(stream.next(&stop), Ok(Some(b"ab".to_vec())));
-        assert_eq!(stream.next(&stop), Ok(Some(b"cd".to_vec())));
-        assert_eq!(stream.next(&stop), Ok(None), "half a frame is none");
+        assert_eq!(stream.format(&stop).unwrap().size(), (2, 1));
+        assert_eq!(stream.frame(&stop), Ok(Some(b"ab".to_vec())));
+        assert_eq!(stream.frame(&stop), Ok(Some(b"cd".to_vec())));
+        assert_eq!(stream.frame(&stop), Ok(None), "half a frame is none");
     }
 
     #[test]
     fn what_is_no_video_is_told() {
         for bytes in [&b""[..], b"YUV4MPEG2 W2", b"<html>\n", b"YUV4MPEG2 W0 H0\n"] {
-            assert!(stream(bytes).begin(&Stop::default()).is_err(), "{}", String::from_utf8_lossy(bytes));
+            assert!(stream(bytes).format(&Stop::default()).is_err(), "{}", String::from_utf8_lossy(bytes));
         }
-        let mut stream = stream(b"YUV4MPEG2 W2 H1 Cmono\nFRAMES?\nnoise");
-        stream.begin(&Stop::default()).unwrap();
-        assert_eq!(stream.next(&Stop::default()), Ok(Some(b"no".to_vec())), "parameters may follow the word");
-        assert!(stream.next(&Stop::default()).is_err(), "ise is no frame");
+        let stream = stream(b"YUV4MPEG2 W2 H1 Cmono\nFRAMES?\nnoise");
+        stream.format(&Stop::default()).unwrap();
+        assert_eq!(stream.frame(&Stop::default()), Ok(Some(b"no".to_vec())), "parameters may follow the word");
+        assert!(stream.frame(&Stop::default()).is_err(), "ise is no frame");
     }
 
     /// A pipe into which nothing is written.
@@ -161,12 +174,12 @@ mod tests {
     #[test]
     fn silence_has_an_end() {
         let head: &[u8] = b"YUV4MPEG2 W2 H1 Cmono\nFRAME\nab";
-        let mut stream = Stream::new(head.chain(Silent)).unwrap().with_patience(Duration::from_millis(50));
+        let stream = Stream::new(head.chain(Silent)).unwrap().with_patience(Duration::from_millis(50));
         let stop = Stop::default();
-        stream.begin(&stop).unwrap();
-        assert!(stream.next(&stop).is_ok_and(|frame| frame.is_some()));
-        assert!(stream.next(&stop).unwrap_err().to_string().contains("plug the camera in again"));
+        stream.format(&stop).unwrap();
+        assert!(stream.frame(&stop).is_ok_and(|frame| frame.is_some()));
+        assert!(stream.frame(&stop).unwrap_err().to_string().contains("plug the camera in again"));
         stop.set(true);
-        assert!(stream.next(&stop).unwrap_err().to_string().contains("cancelled"));
+        assert!(stream.frame(&stop).unwrap_err().to_string().contains("cancelled"));
     }
 }

@@ -1,13 +1,14 @@
 //! A moving pattern instead of a camera: textured discs before a textured background.
 
 use std::f64::consts::TAU;
-use std::thread;
+use std::future::ready;
 
 use motionscope_core::base::{Error, Stop};
 use web_time::{Duration, Instant};
 
 use super::{CameraFeed, Format, Size};
 use crate::media::numbers::whole;
+use crate::work::{self, Boxed};
 
 /// Frames per second.
 const RATE: f64 = 30.0;
@@ -79,21 +80,24 @@ impl TestPicture {
 }
 
 impl CameraFeed for TestPicture {
-    fn begin(&mut self, _: &Stop) -> Result<Format, Error> {
+    fn begin<'a>(&'a mut self, _: &'a Stop) -> Boxed<'a, Result<Format, Error>> {
         self.begun = Instant::now();
         let [width, height] = self.size;
-        Format::parse(format!("YUV4MPEG2 W{width} H{height} F30:1 Ip A1:1 C420jpeg").as_bytes())
+        let format = Format::parse(format!("YUV4MPEG2 W{width} H{height} F30:1 Ip A1:1 C420jpeg").as_bytes());
+        Box::pin(ready(format))
     }
 
-    fn next(&mut self, stop: &Stop) -> Result<Option<Vec<u8>>, Error> {
-        stop.check()?;
-        // As with a camera, frames that were not taken in time are dropped.
-        let now = whole(self.begun.elapsed().as_secs_f64() * RATE).unwrap_or(self.next);
-        let index = self.next.max(now);
-        let due = Duration::from_secs_f64(index as f64 / RATE);
-        thread::sleep(due.saturating_sub(self.begun.elapsed()));
-        self.next = index + 1;
-        Ok(Some(self.samples(index)))
+    fn next<'a>(&'a mut self, stop: &'a Stop) -> Boxed<'a, Result<Option<Vec<u8>>, Error>> {
+        Box::pin(async {
+            stop.check()?;
+            // As with a camera, frames that were not taken in time are dropped.
+            let now = whole(self.begun.elapsed().as_secs_f64() * RATE).unwrap_or(self.next);
+            let index = self.next.max(now);
+            let due = Duration::from_secs_f64(index as f64 / RATE);
+            work::sleep(due.saturating_sub(self.begun.elapsed())).await;
+            self.next = index + 1;
+            Ok(Some(self.samples(index)))
+        })
     }
 }
 
@@ -124,7 +128,7 @@ mod tests {
     #[test]
     fn a_disc_keeps_its_texture_as_it_moves() {
         let mut pattern = TestPicture::new(Size::new(159, 121));
-        let format = pattern.begin(&Stop::default()).unwrap();
+        let format = work::finish(pattern.begin(&Stop::default())).unwrap();
         assert_eq!(format.size(), (159, 121), "odd sides stay");
         assert_eq!(pattern.samples(0).len(), format.frame_bytes());
         let [first, later] = [0, 3].map(|index| format.frame(pattern.samples(index)).unwrap());
@@ -138,13 +142,13 @@ mod tests {
     #[test]
     fn thirty_frames_come_each_second() {
         let (mut pattern, stop) = (TestPicture::new(Size::new(32, 32)), Stop::default());
-        pattern.begin(&stop).unwrap();
+        work::finish(pattern.begin(&stop)).unwrap();
         let begun = Instant::now();
         for _ in 0..7 {
-            assert!(pattern.next(&stop).unwrap().is_some());
+            assert!(work::finish(pattern.next(&stop)).unwrap().is_some());
         }
         assert!(begun.elapsed() >= Duration::from_millis(190), "{:?}", begun.elapsed());
         stop.set(true);
-        assert!(pattern.next(&stop).is_err());
+        assert!(work::finish(pattern.next(&stop)).is_err());
     }
 }

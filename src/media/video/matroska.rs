@@ -1,5 +1,7 @@
 //! Matroska and WebM: one walk from block to block finds the video track's samples.
 
+use std::collections::BTreeSet;
+
 use motionscope_core::base::Error;
 
 use super::bytes::Bytes;
@@ -138,6 +140,8 @@ struct Walk {
     /// When the cluster begins, in ticks.
     cluster: i64,
     samples: Vec<Sample>,
+    /// The samples that only other ones are predicted from.
+    hidden: BTreeSet<u32>,
     /// Whether the last block was one of ours.
     ours: bool,
     damaged: bool,
@@ -227,6 +231,12 @@ impl Walk {
         // A simple block says itself whether it is a key; another is one unless a reference follows.
         let key = id == BLOCK || flags & 0x80 != 0;
         let time = self.cluster.saturating_add(i64::from(shift as i16));
+        // VP8 says in its first byte whether a picture is shown; other codecs put hidden ones into the sample of a shown one.
+        if self.track.as_ref().is_some_and(|(_, track)| track.codec == "vp8")
+            && bytes.u8().is_some_and(|tag| tag & 0x10 == 0)
+        {
+            self.hidden.extend(u32::try_from(self.samples.len()));
+        }
         self.samples.push(Sample { offset: at + used, size, time, key });
         Ok(())
     }
@@ -243,6 +253,7 @@ impl Walk {
         track.ticks_per_second = 1e9 / self.scale_ns as f64;
         track.samples = self.samples;
         track.order_by_time();
+        track.order.retain(|sample| !self.hidden.contains(sample));
         track.drop_lost(input.len())?;
         track.measure_rate();
         if self.damaged {

@@ -1,9 +1,10 @@
-//! Video: containers find the coded pictures, codecs decode them, the user's own ffmpeg does all the rest.
+//! Video: containers find the coded pictures, codecs decode them, the user's own ffmpeg or the browser does all the rest.
 
 mod avi;
+pub(super) mod browser;
 mod bytes;
 mod coded;
-mod color;
+pub(super) mod color;
 pub(super) mod ffmpeg;
 mod h264;
 mod matroska;
@@ -36,7 +37,8 @@ use raw::Raw;
 use vp9::Vp9;
 
 /// The reason why a codec without a decoder is not shown.
-const NOT_DECODED: &str = if IN_PAGE { "which this page does not decode" } else { "which needs ffmpeg" };
+const NOT_DECODED: &str =
+    if IN_PAGE { "which neither this page nor this browser decodes" } else { "which needs ffmpeg" };
 
 /// What holds the pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,22 +62,31 @@ pub(crate) enum Format {
 /// # Errors
 /// One sentence, without the file's name.
 pub(crate) fn open(path: &Path, format: Format, mut input: Input, options: &Open) -> Result<Source, Error> {
-    let track = match format {
-        Format::Y4m => return y4m::open(input, options),
-        Format::Mp4 => mp4::open(&mut input, options),
-        Format::Matroska => matroska::open(&mut input, options),
-        Format::Avi => avi::open(&mut input, options),
-        Format::Mjpeg => mjpeg::open(&mut input, options),
-        Format::Other => Err(Error::new("its format is not known")),
-    };
+    if format == Format::Y4m {
+        return y4m::open(input, options);
+    }
+    let track = track(format, &mut input, options);
     if track.as_ref().is_ok_and(|track| track.encrypted) {
         return Err(Error::new("its video is encrypted (copy protection); open an unprotected copy"));
     }
-    // A file that our own decoders cannot begin may still be one that ffmpeg knows.
+    // A file that our own decoders cannot begin may still be one that the browser has decoded, or that ffmpeg knows.
     let is_known = format != Format::Other;
-    track
-        .and_then(|track| decode(input, track))
-        .or_else(|error| ffmpeg::open(path, options, &FfmpegReason { error, is_known }))
+    track.and_then(|track| decode(input, track)).or_else(|error| match browser::open(path, format, options) {
+        Some(source) => source,
+        None => ffmpeg::open(path, options, &FfmpegReason { error, is_known }),
+    })
+}
+
+/// The video track in `input`.
+fn track(format: Format, input: &mut Input, options: &Open) -> Result<Track, Error> {
+    match format {
+        Format::Mp4 => mp4::open(input, options),
+        Format::Matroska => matroska::open(input, options),
+        Format::Avi => avi::open(input, options),
+        Format::Mjpeg => mjpeg::open(input, options),
+        Format::Y4m => Err(Error::new("its frames are not coded")),
+        Format::Other => Err(Error::new("its format is not known")),
+    }
 }
 
 /// What keeps us from showing a video by ourselves.

@@ -133,7 +133,7 @@ impl Video<'_> {
     /// The track without its samples.
     fn describe(&self) -> Track {
         let children = self.entry.get(78..).unwrap_or_default();
-        let config = find(children, b"avcC").unwrap_or_default().to_vec();
+        let config = [b"avcC", b"hvcC", b"av1C"].into_iter().find_map(|kind| find(children, kind));
         let mut warnings = Vec::new();
         let turn = self.turn().unwrap_or_else(|| {
             warnings.push("it is to be shown turned by an odd angle or skewed; it is shown as recorded".into());
@@ -150,7 +150,7 @@ impl Video<'_> {
             ticks_per_second: f64::from(self.ticks),
             encrypted: self.kind == *b"encv",
             codec: codec_name(self.kind),
-            config,
+            config: config.unwrap_or_default().to_vec(),
             turn,
             colors: find(children, b"colr").and_then(colors),
             warnings,

@@ -13,6 +13,9 @@ use crate::media::{Decoder, Open, Source, check_size};
 /// Longest header line that is believed, in bytes.
 pub(crate) const MAX_LINE_BYTES: u64 = 4096;
 
+/// Tag X of our own files with the matrix, as ISO/IEC 23091-2 numbers it.
+pub(crate) const MATRIX: &str = "MATRIX=";
+
 /// Opens Y4M video.
 ///
 /// # Errors
@@ -84,6 +87,7 @@ impl Header {
         let mut interlaced = false;
         let mut pixel = [1, 1];
         let mut full_range = None;
+        let mut matrix = None;
         for token in text.split_ascii_whitespace().skip(1) {
             let Some((tag, value)) = token.split_at_checked(1) else { continue };
             match tag {
@@ -98,7 +102,10 @@ impl Header {
                         .unwrap_or(pixel)
                 }
                 "C" => space = value,
-                "X" => full_range = full_range.or(range(value)),
+                "X" => {
+                    full_range = full_range.or(range(value));
+                    matrix = matrix.or(value.strip_prefix(MATRIX).and_then(|code| code.parse().ok()));
+                }
                 _ => {}
             }
         }
@@ -112,7 +119,8 @@ impl Header {
         })?;
         // Gray is full range unless it says otherwise, colour is not.
         let full_range = full_range.unwrap_or(chroma == Chroma::Mono);
-        let colors = Colors { matrix: Matrix::by_height(height), full_range };
+        let matrix = matrix.map_or(Matrix::by_height(height), |code| Matrix::from_code(code, height));
+        let colors = Colors { matrix, full_range };
         Ok(Self { width, height, fps, chroma, depth, alpha, interlaced, pixel, colors })
     }
 

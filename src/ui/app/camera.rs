@@ -15,7 +15,7 @@ use super::dialogs::Overlay;
 use crate::experiment::Prepared;
 use crate::experiment::source::Source;
 use crate::files;
-use crate::media::camera::{Cameras, Closing, Ffmpeg, Kept, is_unsaved};
+use crate::media::camera::{Cameras, Closing, Kept, cameras, is_unsaved};
 use crate::paint::Freehand;
 use crate::ui::commands::{ClipFormat, Command};
 use crate::ui::dialogs::camera::State;
@@ -107,7 +107,7 @@ impl Saving {
 impl Default for Recorder {
     fn default() -> Self {
         Self {
-            cameras: Arc::new(Ffmpeg::default()),
+            cameras: cameras(),
             closing: Closing::default(),
             last: None,
             saved: Saved::default(),
@@ -120,7 +120,7 @@ impl Default for Recorder {
 }
 
 impl App {
-    /// Uses other cameras than those of ffmpeg, for tests.
+    /// Uses other cameras than those of this computer, for tests.
     pub fn use_cameras(&mut self, cameras: Arc<dyn Cameras>) {
         self.recorder.cameras = cameras;
     }
@@ -194,6 +194,8 @@ impl App {
     pub(super) fn clip_saved(&mut self) {
         let Some(Saving { from, to: path, is_lossless }) = self.recorder.saving.take() else { return };
         let is_open = matches!(self.run.document.source(), Some(Source::File(open)) if *open == from);
+        // A page has handed the file over to the browser.
+        let is_replaced = is_lossless && files::exists(&path);
         if let Some(frames) = self.recorder.last.as_ref().filter(|last| last.path() == from).map(|last| last.frames()) {
             let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
             self.recorder.saved = match std::mem::take(&mut self.recorder.saved) {
@@ -201,13 +203,13 @@ impl App {
                 Saved::Whole(whole) => Saved::Whole(whole),
                 _ => Saved::WithLoss(name),
             };
-            if is_open && !is_lossless {
+            if is_open && !is_replaced {
                 let told = format!("{frames} frames, {}", self.recorder.saved.told());
                 self.toasts.describe(Some(told));
             }
         }
         if let Some(shown) =
-            self.run.view.shown.as_deref().filter(|_| is_lossless && is_open && self.opening.loading.is_none())
+            self.run.view.shown.as_deref().filter(|_| is_replaced && is_open && self.opening.loading.is_none())
         {
             self.recorder.ink = Some((path.clone(), self.presentation.pen.freehand(&shown.subject)));
             let clip = files::absolute(&path);

@@ -4,6 +4,7 @@ use motionscope_core::run::Info;
 use serde::Serialize;
 
 use super::App;
+use crate::ui::model::live::LiveView;
 
 /// A summary of the window.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
@@ -24,8 +25,35 @@ pub struct Summary {
     pub error: Option<String>,
     /// The newest message.
     pub message: Option<String>,
+    /// The live picture of the camera.
+    pub live: Option<LiveSummary>,
     /// Whether a task is at work.
     pub busy: bool,
+}
+
+/// A summary of the live picture of a camera.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct LiveSummary {
+    /// The number of the frame.
+    pub frame: Option<usize>,
+    /// Id of the estimator that has run on it.
+    pub estimator: Option<&'static str>,
+    /// Number of estimators that keep up with the camera, of those measured so far.
+    pub offered: usize,
+    /// Why the estimator does not run.
+    pub error: Option<String>,
+}
+
+impl LiveSummary {
+    fn of(live: &LiveView) -> Self {
+        let seen = live.seen.as_deref();
+        Self {
+            frame: seen.map(|seen| seen.frame),
+            estimator: seen.and_then(|seen| seen.estimator).map(|info| info.id),
+            offered: live.offered.len(),
+            error: live.error.as_ref().map(ToString::to_string),
+        }
+    }
 }
 
 impl App {
@@ -36,6 +64,7 @@ impl App {
             start: self.dialogs.start.is_some(),
             error,
             message: self.message().map(str::to_owned),
+            live: self.live().as_ref().map(LiveSummary::of),
             busy: !self.is_settled(),
             ..Summary::default()
         };

@@ -131,7 +131,7 @@ impl Command {
 
     /// Whether this edition has it: a page has no camera of ffmpeg's and no paths, and its tab is closed by the browser.
     pub fn is_offered(self) -> bool {
-        !(IN_PAGE && matches!(self, Command::Camera | Command::PastePath | Command::Quit))
+        !(IN_PAGE && matches!(self, Command::PastePath | Command::Quit))
     }
 
     /// Whether it is shown beside the others: out of the outermost granularity is the end of the run, which is there already.

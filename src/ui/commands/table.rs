@@ -169,7 +169,7 @@ commands! {
     },
     Camera: Entry {
         icon: Icon::Camera, text: "Camera…", keys: &[ctrl(Key::R)],
-        in_page: Some(&[]),
+        in_page: Some(&[shift(Key::R)]),
         tip: "Record a clip from a camera, or watch an estimator run on its live picture.",
         ..FILE
     },

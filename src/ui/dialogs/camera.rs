@@ -11,8 +11,8 @@ use eframe::egui::{
     self, Align, ComboBox, Key, Label, Layout, Modifiers, Rect, RichText, TextStyle, Ui, UiBuilder, vec2,
 };
 use lucide_icons::Icon;
-use motionscope_core::base::Error;
 use motionscope_core::base::words::capital;
+use motionscope_core::base::{Error, Stop};
 use motionscope_core::course::estimator;
 use motionscope_core::run::{Cursor, Info};
 use web_time::{Duration, Instant};
@@ -112,7 +112,7 @@ impl State {
     fn list(&mut self, ctx: &egui::Context) {
         self.close();
         let (cameras, ctx) = (Arc::clone(&self.cameras), ctx.clone());
-        let work = async move |_: &Arc<_>| Ok(cameras.list());
+        let work = async move |_: &Arc<_>| Ok(cameras.list().await);
         self.listing = Some(Background::new("list the cameras", move || ctx.request_repaint(), work));
     }
 
@@ -122,7 +122,8 @@ impl State {
         self.refused = None;
         let Some(device) = self.devices.get(self.device).cloned() else { return };
         let (cameras, size) = (Arc::clone(&self.cameras), self.choices.size);
-        let camera = Camera::open_after(&self.closing, move |stop| cameras.open(&device, size, stop), || {});
+        let open = async move |stop: &Stop| cameras.open(&device, size, stop).await;
+        let camera = Camera::open_after(&self.closing, open, || {});
         let (repaint, remembered) = (ctx.clone(), self.time() + MARGIN);
         self.live = Some(camera.and_then(|camera| {
             camera.remember(remembered);
@@ -177,7 +178,7 @@ impl State {
         self.open(ctx, document);
     }
 
-    /// Receives the results of other threads; returns whether a recording is opened.
+    /// Receives the results of tasks; returns whether a recording is opened.
     fn tend(&mut self, ctx: &egui::Context, document: &Document, actions: &mut Actions) -> bool {
         self.receive_list(ctx, document);
         self.count_down(ctx);

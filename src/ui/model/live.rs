@@ -1,9 +1,7 @@
-//! A camera with an estimator running on it, on a thread of its own that drops frames rather than lagging behind.
+//! A camera with an estimator running on it, in a task of its own that drops frames rather than lagging behind.
 
 use std::collections::VecDeque;
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::thread::{self, JoinHandle};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use motionscope_core::base::{Error, Stop};
 use motionscope_core::course::estimators;
@@ -12,15 +10,16 @@ use motionscope_core::run::{AnyEstimator, Info, Walk};
 use motionscope_core::scene::Scene;
 use web_time::{Duration, Instant};
 
-use crate::experiment::live::{LiveRun, NextFrame, measure};
+use crate::experiment::live::{LiveFrames, LiveRun, measure};
 use crate::media::camera::{Camera, Format};
 use crate::paint::{FocusMode, Pictures, View};
 use crate::view::look::{Look, RunState};
 use crate::view::moment::{Before, Moment, RunView};
 use crate::view::motion::{AvailableLayers, Motion};
 use crate::view::named::LastNamed;
+use crate::work::{self, Boxed, Signal, Task};
 
-/// Time between two checks of a waiting thread whether it was stopped.
+/// Time between two checks of a waiting task whether it was stopped.
 const POLL: Duration = Duration::from_millis(50);
 /// The time for a frame up to which an estimator is offered: 10 frames per second.
 const LIMIT: Duration = Duration::from_millis(100);
@@ -28,7 +27,7 @@ const LIMIT: Duration = Duration::from_millis(100);
 const MEASURED: Duration = Duration::from_secs(2);
 /// Frames on which estimators are measured.
 const SAMPLES: usize = 4;
-/// How long the window waits for both threads and the camera when it is closed: an estimator may be in the middle of a frame.
+/// How long the window waits for both tasks and the camera when it is closed: an estimator may be in the middle of a frame.
 const GRACE: Duration = Duration::from_millis(100);
 
 /// A frame with the result of the estimator.
@@ -43,6 +42,8 @@ pub struct Seen {
     pub available: AvailableLayers,
     /// The number of the frame in the run.
     pub frame: usize,
+    /// The estimator that has run on it, if one has.
+    pub estimator: Option<&'static Info>,
 }
 
 /// The state of a live run.
@@ -73,12 +74,12 @@ struct Mail {
     times: VecDeque<Instant>,
 }
 
-/// The state that the window and both threads share.
+/// The state that the window and both tasks share.
 struct Shared {
     camera: Camera,
     mail: Mutex<Mail>,
     /// Notified when an estimator is chosen, and at the end.
-    chosen: Condvar,
+    chosen: Signal,
     quit: Stop,
     changed: Box<dyn Fn() + Send + Sync>,
 }
@@ -95,9 +96,8 @@ impl Shared {
     }
 
     /// Waits until `stop` is set: another estimator is chosen, or the camera is closed.
-    fn wait_for(&self, stop: &Stop) {
-        let waited = self.chosen.wait_while(self.mail(), |_| !stop.is_set());
-        drop(waited.unwrap_or_else(PoisonError::into_inner));
+    async fn wait_for(&self, stop: &Stop) {
+        self.chosen.until(|| stop.is_set().then_some(())).await;
     }
 
     /// Reports that the run failed that `stop` ends, and runs no estimator from now on; a run that was stopped has not failed.
@@ -131,15 +131,15 @@ impl Shared {
     }
 }
 
-/// A camera that is shown; dropping it ends the camera and both threads, which are left behind if that takes long.
+/// A camera that is shown; dropping it ends the camera and both tasks, which are left behind if that takes long.
 pub struct Live {
     shared: Arc<Shared>,
-    threads: Vec<JoinHandle<()>>,
+    tasks: Vec<Task>,
     is_measuring: bool,
 }
 
 impl Live {
-    /// Shows the frames of `camera`. `changed` is called from another thread with each result.
+    /// Shows the frames of `camera`. `changed` is called by a task with each result.
     ///
     /// # Errors
     /// If the system gives no thread.
@@ -147,12 +147,12 @@ impl Live {
         let shared = Shared {
             camera,
             mail: Mutex::default(),
-            chosen: Condvar::new(),
+            chosen: Signal::default(),
             quit: Stop::default(),
             changed: Box::new(changed),
         };
-        let mut live = Self { shared: Arc::new(shared), threads: Vec::new(), is_measuring: false };
-        live.spawn("live run", run)?;
+        let mut live = Self { shared: Arc::new(shared), tasks: Vec::new(), is_measuring: false };
+        live.spawn("live run", async |shared| run(&shared).await)?;
         Ok(live)
     }
 
@@ -161,17 +161,17 @@ impl Live {
         if std::mem::replace(&mut self.is_measuring, true) {
             return;
         }
-        if let Err(error) = self.spawn("live speeds", measure_all) {
+        if let Err(error) = self.spawn("live speeds", async |shared| measure_all(&shared).await) {
             self.choose(None);
             let mut mail = self.shared.mail();
             (mail.view.error, mail.view.is_measured) = (Some(error), true);
         }
     }
 
-    fn spawn(&mut self, name: &str, work: fn(&Arc<Shared>)) -> Result<(), Error> {
+    fn spawn(&mut self, name: &str, work: impl AsyncFnOnce(Arc<Shared>) + Send + 'static) -> Result<(), Error> {
         let shared = Arc::clone(&self.shared);
-        let thread = thread::Builder::new().name(name.into()).spawn(move || work(&shared));
-        self.threads.push(thread.map_err(|error| Error::new(format!("no thread could be started ({error})")))?);
+        let task = work::spawn(name, async move || work(shared).await);
+        self.tasks.push(task.map_err(|error| Error::new(format!("no thread could be started ({error})")))?);
         Ok(())
     }
 
@@ -194,7 +194,7 @@ impl Live {
         mail.times.clear();
         (mail.view.rate, mail.view.dropped, mail.view.error) = (None, 0, None);
         drop(mail);
-        self.shared.chosen.notify_all();
+        self.shared.chosen.notify();
     }
 
     /// Whether the estimator that was chosen has failed, so that none runs.
@@ -218,27 +218,28 @@ impl Drop for Live {
         let asked = Instant::now();
         self.shared.quit.set(true);
         self.shared.mail().stop.set(true);
-        self.shared.chosen.notify_all();
+        self.shared.chosen.notify();
         // The camera is off even while an estimator is still at work on its last frame.
         self.shared.camera.close(GRACE);
-        while self.threads.iter().any(|thread| !thread.is_finished()) && asked.elapsed() < GRACE {
-            thread::sleep(Duration::from_millis(1));
-        }
+        self.tasks.iter().for_each(|task| task.wait(GRACE.saturating_sub(asked.elapsed())));
     }
 }
 
 /// Shows frames, and runs the estimator on them, until the camera is closed.
-fn run(shared: &Arc<Shared>) {
-    let Some(format) = format(shared) else { return (shared.changed)() };
+async fn run(shared: &Arc<Shared>) {
+    let Some(format) = format(shared).await else { return (shared.changed)() };
     while !shared.quit.is_set() {
         let (estimator, stop) = shared.choice();
         // The last frame of a camera that has ended is shown without a run.
         let estimator = estimator.filter(|_| shared.camera.ended().is_none());
         let name = estimator.as_ref().map_or("the camera", |estimator| estimator.info().name);
-        let outcome = caught(name, || match &estimator {
-            Some(estimator) => run_live(shared, &**estimator, (&format, &stop)),
-            None => preview(shared, (&format, &stop)),
+        let outcome = caught(name, async {
+            match &estimator {
+                Some(estimator) => run_live(shared, &**estimator, (&format, &stop)).await,
+                None => preview(shared, (&format, &stop)).await,
+            }
         });
+        let outcome = outcome.await;
         let has_ended = shared.camera.ended().is_some();
         match outcome {
             Err(error) if !has_ended => shared.refuse(error, &stop),
@@ -246,19 +247,19 @@ fn run(shared: &Arc<Shared>) {
         }
         // After an estimator that has failed, frames are shown without one.
         if has_ended || estimator.is_none() {
-            shared.wait_for(&stop);
+            shared.wait_for(&stop).await;
         }
     }
 }
 
 /// Has `work` done for the estimator called `name`; a panic is an error as well.
-fn caught<T>(name: &str, work: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
+async fn caught<T>(name: &str, work: impl Future<Output = Result<T, Error>>) -> Result<T, Error> {
     let failed = |_| Err(Error::new(format!("{name} failed; choose another estimator, and please report this error")));
-    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(failed)
+    work::caught(work).await.unwrap_or_else(failed)
 }
 
 /// The format of the frames, once the first one has come; `None` if none comes.
-fn format(shared: &Shared) -> Option<Format> {
+async fn format(shared: &Shared) -> Option<Format> {
     loop {
         if let Some(format) = shared.camera.format() {
             return Some(format);
@@ -266,65 +267,89 @@ fn format(shared: &Shared) -> Option<Format> {
         if shared.quit.is_set() || shared.camera.ended().is_some() {
             return None;
         }
-        shared.camera.wait_for(0, POLL);
+        shared.camera.wait_for(0, POLL).await;
     }
 }
 
-/// Delivers the newest frame that was not delivered yet, and calls `dropped` with the number of frames before it.
-fn newest_frame(shared: &Arc<Shared>, format: &Format, dropped: impl Fn(u64) + Send + Sync + 'static) -> NextFrame {
-    let (shared, format, next) = (Arc::clone(shared), format.clone(), Mutex::new(None::<u64>));
-    Box::new(move |stop| {
-        let mut next = next.lock().unwrap_or_else(PoisonError::into_inner);
+/// The frames of a camera for one run, which drops those that came while it was at work.
+struct Newest {
+    shared: Arc<Shared>,
+    format: Format,
+    stop: Stop,
+    /// The number of the next frame.
+    next: Option<u64>,
+}
+
+impl Newest {
+    fn new(shared: &Arc<Shared>, (format, stop): (&Format, &Stop)) -> Self {
+        Self { shared: Arc::clone(shared), format: format.clone(), stop: stop.clone(), next: None }
+    }
+
+    /// Waits for the newest frame that was not delivered yet, and returns it with the number of frames that were dropped before it.
+    async fn frame(&mut self) -> Result<(Arc<Frame>, u64), Error> {
+        let camera = &self.shared.camera;
         loop {
-            stop.check()?;
-            let index = next.or_else(|| shared.camera.newest().map(|shot| shot.index)).unwrap_or(0);
-            if let Some(shot) = shared.camera.wait_for(index, POLL) {
-                dropped(shot.index - index);
-                *next = Some(shot.index + 1);
-                return shot.frame(&format).map(Arc::new);
+            self.stop.check()?;
+            let index = self.next.or_else(|| camera.newest().map(|shot| shot.index)).unwrap_or(0);
+            if let Some(shot) = camera.wait_for(index, POLL).await {
+                self.next = Some(shot.index + 1);
+                return Ok((Arc::new(shot.frame(&self.format)?), shot.index - index));
             }
-            if let Some(ended) = shared.camera.ended() {
+            if let Some(ended) = camera.ended() {
                 return Err(ended);
             }
         }
-    })
+    }
+}
+
+impl LiveFrames for Newest {
+    fn next(&mut self) -> Boxed<'_, Result<Arc<Frame>, Error>> {
+        Box::pin(async {
+            let (frame, dropped) = self.frame().await?;
+            let mut mail = self.shared.mail();
+            // Frames that an earlier run dropped do not count.
+            if !self.stop.is_set() {
+                mail.view.dropped += dropped;
+            }
+            Ok(frame)
+        })
+    }
 }
 
 /// Shows frames as they come, until `stop` is set.
-fn preview(shared: &Arc<Shared>, (format, stop): (&Format, &Stop)) -> Result<(), Error> {
-    let next = newest_frame(shared, format, |_| {});
+async fn preview(shared: &Arc<Shared>, (format, stop): (&Format, &Stop)) -> Result<(), Error> {
+    let mut frames = Newest::new(shared, (format, stop));
     let scene = Arc::<Scene>::default();
     for number in 0.. {
-        let frame = next(stop)?;
+        let (frame, _) = frames.frame().await?;
         let seen = Seen {
             pictures: Pictures::of([Arc::clone(&frame), frame]),
             scene: Arc::clone(&scene),
             stands: RunState { shows_frame_alone: true, ..RunState::default() },
             available: AvailableLayers::default(),
             frame: number,
+            estimator: None,
         };
         shared.publish(seen, stop);
+        work::breathe().await;
     }
     Ok(())
 }
 
 /// Runs `estimator` on frames as they come, until `stop` is set.
-fn run_live(shared: &Arc<Shared>, estimator: &dyn AnyEstimator, (format, stop): (&Format, &Stop)) -> Result<(), Error> {
-    let (theirs, asked) = (Arc::clone(shared), stop.clone());
-    let count = move |dropped: u64| {
-        let mut mail = theirs.mail();
-        // Frames that an earlier run dropped do not count.
-        if !asked.is_set() {
-            mail.view.dropped += dropped;
-        }
-    };
-    let next = newest_frame(shared, format, count);
-    let mut run = LiveRun::new(estimator, format.size(), next, stop.clone());
+async fn run_live(
+    shared: &Arc<Shared>,
+    estimator: &dyn AnyEstimator,
+    (format, stop): (&Format, &Stop),
+) -> Result<(), Error> {
+    let frames = Box::new(Newest::new(shared, (format, stop)));
+    let mut run = LiveRun::new(estimator, format.size(), frames, stop.clone());
     loop {
         let (clip, shows_frame_alone) = (run.clip().clone(), run.estimator().shows_frame_alone());
         let look = shared.mail().look;
-        let seen = seen(run.advance()?, &clip, &look, shows_frame_alone)?;
+        let seen = seen(run.advance().await?, &clip, &look, shows_frame_alone)?;
         shared.publish(seen, stop);
+        work::breathe().await;
     }
 }
 
@@ -350,36 +375,37 @@ fn seen(walk: &dyn Walk, clip: &Clip, look: &Look, shows_frame_alone: bool) -> R
     let moment = Moment::of(view, |site| Motion::of(site, look, || Ok(None)))?;
     let stands = moment.stands(shows_frame_alone);
     let Moment { scene, pictures, available, .. } = moment;
-    Ok(Seen { pictures, scene, stands, available, frame })
+    Ok(Seen { pictures, scene, stands, available, frame, estimator: Some(walk.info()) })
 }
 
 /// Measures which estimators keep up with the camera, on some of its frames.
-fn measure_all(shared: &Arc<Shared>) {
-    let frames = samples(shared).unwrap_or_default();
+async fn measure_all(shared: &Arc<Shared>) {
+    let frames = samples(shared).await.unwrap_or_default();
     for estimator in estimators().into_iter().filter(|estimator| estimator.needs_pictures()) {
         if shared.quit.is_set() {
             return;
         }
-        let time = caught(estimator.info().name, || Ok(measure(&*estimator, &frames, LIMIT, &shared.quit)));
-        if let Ok(Some(time)) = time {
+        let measured = async { Ok(measure(&*estimator, &frames, LIMIT, &shared.quit).await) };
+        if let Ok(Some(time)) = caught(estimator.info().name, measured).await {
             shared.mail().view.offered.push((estimator.info(), time));
             (shared.changed)();
         }
+        work::breathe().await;
     }
     shared.mail().view.is_measured = true;
     (shared.changed)();
 }
 
 /// Frames that follow each other; `None` if the camera ends before.
-fn samples(shared: &Arc<Shared>) -> Option<Vec<Arc<Frame>>> {
-    let format = format(shared)?;
+async fn samples(shared: &Arc<Shared>) -> Option<Vec<Arc<Frame>>> {
+    let format = format(shared).await?;
     let mut frames = Vec::new();
     let mut next = 0;
     while frames.len() < SAMPLES {
         if shared.quit.is_set() || shared.camera.ended().is_some() {
             return None;
         }
-        if let Some(shot) = shared.camera.wait_for(next, POLL) {
+        if let Some(shot) = shared.camera.wait_for(next, POLL).await {
             next = shot.index + 1;
             frames.push(Arc::new(shot.frame(&format).ok()?));
         }
@@ -389,13 +415,16 @@ fn samples(shared: &Arc<Shared>) -> Option<Vec<Arc<Frame>>> {
 
 #[cfg(test)]
 mod tests {
+    use std::future::ready;
     use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::thread;
 
     use motionscope_core::course::estimator;
 
     use super::*;
     use crate::experiment::first;
     use crate::media::camera::{CameraFeed, Size, TestPicture};
+    use crate::work::finish;
 
     /// Waits until `is` is the case.
     fn until(live: &Live, what: &str, is: impl Fn(&LiveView) -> bool) -> LiveView {
@@ -446,14 +475,16 @@ mod tests {
     struct Few(u8);
 
     impl CameraFeed for Few {
-        fn begin(&mut self, _: &Stop) -> Result<Format, Error> {
-            Format::parse(b"YUV4MPEG2 W32 H32 F30:1 Cmono")
+        fn begin<'a>(&'a mut self, _: &'a Stop) -> Boxed<'a, Result<Format, Error>> {
+            Box::pin(ready(Format::parse(b"YUV4MPEG2 W32 H32 F30:1 Cmono")))
         }
 
-        fn next(&mut self, _: &Stop) -> Result<Option<Vec<u8>>, Error> {
-            self.0 = self.0.checked_sub(1).ok_or_else(|| Error::new("it was unplugged"))?;
-            thread::sleep(Duration::from_millis(5));
-            Ok(Some(vec![self.0; 32 * 32]))
+        fn next<'a>(&'a mut self, _: &'a Stop) -> Boxed<'a, Result<Option<Vec<u8>>, Error>> {
+            Box::pin(async {
+                self.0 = self.0.checked_sub(1).ok_or_else(|| Error::new("it was unplugged"))?;
+                work::sleep(Duration::from_millis(5)).await;
+                Ok(Some(vec![self.0; 32 * 32]))
+            })
         }
     }
 
@@ -502,9 +533,10 @@ mod tests {
 
     #[test]
     fn a_panic_is_an_error() {
-        let failed = caught("Diamond search", || if LIMIT > POLL { panic!("out of bounds") } else { Ok(()) });
-        assert!(failed.unwrap_err().to_string().starts_with("Diamond search failed; choose another estimator"));
-        assert_eq!(caught("Diamond search", || Ok(7)), Ok(7));
+        let failed = async { if LIMIT > POLL { panic!("out of bounds") } else { Ok(()) } };
+        let failed = finish(caught("Diamond search", failed)).unwrap_err().to_string();
+        assert!(failed.starts_with("Diamond search failed; choose another estimator"));
+        assert_eq!(finish(caught("Diamond search", ready(Ok(7)))), Ok(7));
     }
 
     #[test]

@@ -54,7 +54,7 @@ impl Loading {
     pub fn new(name: OsString, beside: Option<Beside>, changed: impl Fn() + Send + Sync + 'static) -> Self {
         let wanted = name.clone();
         let work = Background::new("open the clip", changed, async move |control| {
-            open(&wanted, beside, Arc::clone(control) as Arc<dyn Progress>)
+            open(&wanted, beside, Arc::clone(control) as Arc<dyn Progress>).await
         });
         Self { name, description: None, work }
     }
@@ -66,13 +66,13 @@ impl Loading {
         let Beside { source, given } = beside;
         let given = Given { right: Some(RightView::of(Path::new(&path))), ..given };
         let work = Background::new("open the clip", changed, async move |control| {
-            opened(Named::clip(source, given), None, Arc::clone(control) as Arc<dyn Progress>)
+            opened(Named::clip(source, given), None, Arc::clone(control) as Arc<dyn Progress>).await
         });
         Self { name: path, description: None, work }
     }
 }
 
-fn open(name: &OsStr, beside: Option<Beside>, progress: Arc<dyn Progress>) -> Result<Opened, Error> {
+async fn open(name: &OsStr, beside: Option<Beside>, progress: Arc<dyn Progress>) -> Result<Opened, Error> {
     let path = Path::new(name);
     let named = match beside {
         Some(Beside { source, given }) if media::is_truth(path) => {
@@ -84,7 +84,7 @@ fn open(name: &OsStr, beside: Option<Beside>, progress: Arc<dyn Progress>) -> Re
         _ => Named::find(name, Given::default())?,
     };
     let session = named.session.is_some().then(|| Path::new(name));
-    opened(named, session, progress)
+    opened(named, session, progress).await
 }
 
 /// Whether the clip was opened from pictures or a video, to which detections can belong.
@@ -97,10 +97,11 @@ fn has_frames(source: &Source) -> bool {
 }
 
 /// Opens a clip that is `named`, in the file `written` if it is a session.
-fn opened(named: Named, written: Option<&Path>, progress: Arc<dyn Progress>) -> Result<Opened, Error> {
+async fn opened(named: Named, written: Option<&Path>, progress: Arc<dyn Progress>) -> Result<Opened, Error> {
     let Named { source, given, session, .. } = named;
     let control = Arc::clone(&progress);
     let options = Open { progress: Some(progress), ..Open::from(given.clone()) };
+    media::decode_ahead(&source.paths(), &options).await?;
     let OpenedClip { clip, mut inputs } = source.open(&options)?;
     if let Some(file) = written {
         inputs.add(InputKind::Session, file);

@@ -13,7 +13,7 @@ use tungstenite::{Message, WebSocket};
 /// How long the browser may take for one answer.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-const FLAGS: [&str; 9] = [
+const FLAGS: [&str; 11] = [
     "--headless=new",
     "--no-sandbox",
     "--no-first-run",
@@ -21,6 +21,9 @@ const FLAGS: [&str; 9] = [
     "--use-angle=swiftshader-webgl",
     "--enable-unsafe-swiftshader",
     "--ignore-gpu-blocklist",
+    // A camera that shows a moving pattern, and that is always allowed.
+    "--use-fake-device-for-media-stream",
+    "--use-fake-ui-for-media-stream",
     "--remote-debugging-port=0",
     "about:blank",
 ];

@@ -18,6 +18,11 @@ use xtask::Server;
 /// The middle of the button that steps forward, in an upright window of 390×844 points.
 const STEP_ON_A_PHONE: [f64; 2] = [268.0, 819.0];
 
+/// The list of estimators in the dialog of the camera, the first one in it, and the button that makes a clip of the last seconds.
+const ESTIMATORS: [f64; 2] = [768.0, 99.0];
+const FIRST_ESTIMATOR: [f64; 2] = [800.0, 190.0];
+const FREEZE: [f64; 2] = [945.0, 656.0];
+
 /// The page, served below a path.
 fn serve(base: &str) -> Server {
     Server::start(xtask::default_folder(), base, 0).expect("the page is served")
@@ -134,6 +139,30 @@ fn the_address_of_one_tab_opens_the_same_step_in_another() {
 }
 
 #[test]
+fn the_camera_is_live_and_an_estimator_runs_on_it() {
+    let (server, mut browser) = (serve("/"), Browser::start());
+    let mut tab = open(&mut browser, &server, "#synth:pillar&estimator=diamond");
+    tab.wait("diamond search", |shown| shown.text("estimator") == "diamond" && !shown.is_busy());
+    tab.press("R");
+    let is_at = |shown: &Shown, frame| shown.live("frame").as_u64().is_some_and(|at| at > frame);
+    tab.wait("live frames", |shown| is_at(shown, 5));
+    tab.screenshot("camera");
+    tab.click(ESTIMATORS);
+    let shown = tab.wait("an estimator that keeps up", |shown| shown.live("offered").as_u64() > Some(0));
+    let frame = shown.live("frame").as_u64().unwrap_or_default();
+    tab.wait("frames while others are measured", |shown| is_at(shown, frame + 1));
+    tab.click(FIRST_ESTIMATOR);
+    let runs = |shown: &Shown, frame| shown.live("estimator").is_string() && is_at(shown, frame);
+    println!("{:?}", tab.wait("a run", |shown| runs(shown, 3)));
+    tab.screenshot("camera-estimator");
+    tab.click(FREEZE);
+    tab.wait("the last seconds as a clip", |shown| {
+        shown.text("clip") == "camera-1.y4m" && !shown.text("step").is_empty() && shown.live("frame").is_null()
+    });
+    tab.screenshot("camera-clip");
+}
+
+#[test]
 fn a_link_that_names_nothing_says_so() {
     let (server, mut browser) = (serve("/"), Browser::start());
     let mut tab = open(&mut browser, &server, "#lesson:no-such-lesson");
@@ -162,6 +191,68 @@ fn desktop(arguments: &[&str]) -> String {
     let output = Command::new(program).args(arguments).output().expect("`cargo build` has built the desktop edition");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).expect("text")
+}
+
+/// The frames of a video as ffmpeg decodes them, for a desktop that has no decoder of its own for it either.
+fn decoded_by_ffmpeg(clip: &Path, folder: &Path) -> String {
+    let out = folder.join("decoded.y4m");
+    let mut command = Command::new("ffmpeg");
+    command.args(["-v", "error", "-y", "-i"]).arg(clip).args(["-vsync", "passthrough", "-strict", "-1"]).arg(&out);
+    assert!(command.status().expect("ffmpeg is installed").success());
+    out.to_str().expect("a path").to_owned()
+}
+
+#[test]
+fn video_that_the_browser_decodes_says_the_same_as_on_a_desktop() {
+    let (server, mut browser) = (serve("/"), Browser::start());
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, frames) in [("vp8.webm", 4), ("vp8_alt_ref.webm", 24), ("av1.mp4", 8), ("av1_10bit.webm", 4)] {
+        let clip = xtask::root().join("tests/fixtures").join(name);
+        let decoded = decoded_by_ffmpeg(&clip, folder.path());
+        let mut tab = open(&mut browser, &server, "");
+        tab.choose("motionscope-files", &[&clip]);
+        tab.wait("the clip", |shown| shown.text("clip") == name && !shown.text("step").is_empty() && !shown.is_busy());
+        for frame in 0..frames - 1 {
+            go_on(&mut tab, "ArrowRight");
+            let shown = tab.settle();
+            let (estimator, step, number) = (shown.text("estimator"), shown.text("step"), frame.to_string());
+            let arguments = ["run", &decoded, "--estimator", estimator, "--step", step, "--frame", &number, "--json"];
+            let printed: Value = serde_json::from_str(&desktop(&arguments)).expect("JSON");
+            assert_eq!(printed["step"]["sentence"], json!(shown.text("sentence")), "{name}, frame {frame}");
+            tab.press(".");
+            std::thread::sleep(Duration::from_millis(300));
+            tab.settle();
+        }
+        let before = place(&tab.settle());
+        tab.press(".");
+        std::thread::sleep(Duration::from_millis(300));
+        assert_eq!(place(&tab.settle()), before, "{name} has {frames} frames");
+    }
+}
+
+#[test]
+fn video_that_nobody_decodes_says_what_to_do() {
+    let (server, mut browser) = (serve("/"), Browser::start());
+    let mut tab = open(&mut browser, &server, "");
+    let refused = |tab: &mut Tab, clip: &Path, words: &[&str]| {
+        tab.choose("motionscope-files", &[clip]);
+        let shown = tab.wait("a sentence", |shown| words.iter().all(|word| shown.text("error").contains(word)));
+        println!("{}", shown.text("error"));
+    };
+    let fixture = |name: &str| xtask::root().join("tests/fixtures").join(name);
+    refused(&mut tab, &fixture("mpeg4.avi"), &["mpeg4", "this browser", "convert the clip to MP4 with H.264"]);
+    // A browser may come to decode HEVC.
+    let has_hevc = "VideoDecoder.isConfigSupported({ codec: 'hvc1.1.6.L93.B0' }).then((answer) => answer.supported)";
+    if tab.evaluate(has_hevc) == json!(false) {
+        refused(&mut tab, &fixture("hevc.mp4"), &["hevc", "this browser", "convert the clip to MP4 with H.264"]);
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let damaged = folder.path().join("damaged.webm");
+    let mut bytes = std::fs::read(fixture("vp8.webm")).expect("a file");
+    let middle = bytes.len() / 5;
+    bytes[middle..].fill(0xFF);
+    std::fs::write(&damaged, bytes).expect("it is written");
+    refused(&mut tab, &damaged, &["damaged.webm"]);
 }
 
 #[test]

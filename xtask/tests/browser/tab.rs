@@ -54,7 +54,7 @@ impl Tab {
         self.call("Emulation.setTouchEmulationEnabled", json!({ "enabled": is_phone }));
     }
 
-    /// Presses a key by its name in the browser, such as `ArrowRight` or `c`.
+    /// Presses a key by its name in the browser, such as `ArrowRight` or `c`; a capital letter with Shift.
     pub fn press(&mut self, key: &str) {
         self.press_with(0, key);
     }
@@ -76,7 +76,10 @@ impl Tab {
             "ArrowDown" => 40,
             other => other.to_uppercase().bytes().next().map_or(0, u32::from),
         };
+        const SHIFT: u32 = 8;
         let is_letter = key.len() == 1;
+        let is_capital = is_letter && key.bytes().all(|byte| byte.is_ascii_uppercase());
+        let modifiers = modifiers | if is_capital { SHIFT } else { 0 };
         let code = if is_letter { format!("Key{}", key.to_uppercase()) } else { key.to_owned() };
         for kind in ["rawKeyDown", "keyUp"] {
             let event = json!({
@@ -98,6 +101,15 @@ impl Tab {
         self.call("Input.dispatchTouchEvent", json!({ "type": "touchStart", "touchPoints": [{ "x": x, "y": y }] }));
         std::thread::sleep(Duration::from_millis(250));
         self.call("Input.dispatchTouchEvent", json!({ "type": "touchEnd", "touchPoints": [] }));
+    }
+
+    /// Clicks with a mouse.
+    pub fn click(&mut self, [x, y]: [f64; 2]) {
+        for kind in ["mouseMoved", "mousePressed", "mouseReleased"] {
+            let event = json!({ "type": kind, "x": x, "y": y, "button": "left", "clickCount": 1 });
+            self.call("Input.dispatchMouseEvent", event);
+            std::thread::sleep(Duration::from_millis(100));
+        }
     }
 
     /// Waits until what is shown satisfies a condition, and returns it.
@@ -215,6 +227,11 @@ impl Shown {
     /// A field with text: `lesson`, `clip`, `estimator`, `step`, `sentence`, `error` or `message`; empty where there is none.
     pub fn text(&self, field: &str) -> &str {
         self.0[field].as_str().unwrap_or_default()
+    }
+
+    /// The live picture of the camera: `frame`, `estimator`, `offered` and `error`; null where there is none.
+    pub fn live(&self, field: &str) -> &Value {
+        &self.0["live"][field]
     }
 
     /// Whether this is the start page.
