@@ -16,7 +16,8 @@ use motionscope_core::data::{Clip, ClipInfo, Frame, FrameSource};
 use motionscope_core::run::{AnyEstimator, Direction, FRAME, FRAMES, Move, Walk};
 use web_time::{Duration, Instant};
 
-use crate::work::{self, Boxed};
+use crate::experiment::travel::travel;
+use crate::work::Boxed;
 
 /// Frames of the past that a run can look back at.
 const KEPT: usize = 64;
@@ -180,14 +181,9 @@ impl<'a> LiveRun<'a> {
             None => self.estimator.walk(&self.clip, self.frame)?,
         };
         // The granularity after that of the whole run is its frames.
-        walk.go(if self.is_through_clip { Move::Granularity(1, Direction::Forward) } else { Move::End });
-        loop {
-            let slice = Instant::now();
-            if walk.work(&mut || slice.elapsed() < work::SLICE && !self.stop.is_set()) {
-                break;
-            }
+        let to = if self.is_through_clip { Move::Granularity(1, Direction::Forward) } else { Move::End };
+        if !travel(&mut *walk, to, &|| !self.stop.is_set()).await {
             self.stop.check()?;
-            work::breathe().await;
         }
         walk.failure().cloned().map_or(Ok(walk), Err)
     }
@@ -237,7 +233,7 @@ mod tests {
     use motionscope_core::synth;
 
     use super::*;
-    use crate::work::finish;
+    use crate::work::{self, finish};
 
     fn frames() -> Vec<Arc<Frame>> {
         let clip = synth::scene(crate::experiment::first::SAMPLE).unwrap();

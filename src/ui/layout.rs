@@ -286,7 +286,7 @@ const LEAST_UPRIGHT: Vec2 = vec2(25.0, 44.0);
 const UPRIGHT_LETTERS: f32 = 36.0;
 /// Most of the body that the page of a lesson has above the pictures of an upright window.
 const UPRIGHT_PAGE: f32 = 0.34;
-/// The least shares of the window's area and height that pictures have there.
+/// The least shares of the window's area and height that pictures have there; the height does not count.
 const UPRIGHT_LEAST: [f32; 2] = [0.15, f32::INFINITY];
 /// Least height in which a chart can be read, and least width, in letters.
 const CHART_LETTERS: [f32; 2] = [12.0, 15.0];

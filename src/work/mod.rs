@@ -73,6 +73,7 @@ mod tests {
     fn a_signal_wakes_all_that_wait_and_a_wait_has_an_end() {
         let (signal, value) = (Arc::new(Signal::default()), Arc::<std::sync::Mutex<u32>>::default());
         let (told, heard) = channel();
+        let begun = web_time::Instant::now();
         for _ in 0..3 {
             let (signal, value, told) = (Arc::clone(&signal), Arc::clone(&value), told.clone());
             let look = move || Some(*value.lock().unwrap()).filter(|value| *value > 0);
@@ -82,6 +83,7 @@ mod tests {
         *value.lock().unwrap() = 7;
         signal.notify();
         assert!((0..3).all(|_| heard.recv().unwrap() == Some(7)));
+        assert!(begun.elapsed() < Duration::from_secs(10), "none waited to its end");
         let begun = web_time::Instant::now();
         assert_eq!(finish(signal.until_within(Duration::from_millis(20), || None::<()>)), None);
         assert!(begun.elapsed() >= Duration::from_millis(20));

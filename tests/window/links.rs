@@ -99,9 +99,23 @@ fn what_is_wrong_with_a_link_is_said_and_the_rest_opens() {
     assert_eq!(window.cursor(), Cursor { unit: 1, event: 3 });
     let message = window.app().message().unwrap_or_default();
     assert!(message.contains("the nearest is search-range"), "{message}");
-    let window = Window::begun(vec2(1440.0, 900.0), Start { open: Some("#lesson:kalmann".into()) }, None);
+    let window = Window::begun(vec2(1440.0, 900.0), Start { open: Some("#lesson:kalmanfilter".into()) }, None);
     assert!(window.app().is_at_start());
-    assert!(window.app().error().is_some_and(|why| why.to_string().contains("no lesson kalmann")));
+    let said = window.app().error().map(ToString::to_string).unwrap_or_default();
+    assert!(said.contains("no lesson kalmanfilter; the nearest is kalman-filter"), "{said}");
+}
+
+#[test]
+fn a_step_that_a_run_does_not_have_is_said() {
+    for (step, is_there) in [("300", true), ("35.4", true), ("9999.1", false), ("35.9999", false)] {
+        let mut window = opened(&format!("#synth:pillar&estimator=diamond&step={step}"));
+        let message = window.app().message().unwrap_or_default().to_owned();
+        assert_eq!(!message.contains(&format!("no step {step}")), is_there, "{step}: {message}");
+        // It is said of what was opened, not of where the run is led afterwards.
+        window.key(Key::Home);
+        window.settle();
+        assert_eq!(window.app().message().unwrap_or_default(), message);
+    }
 }
 
 #[test]

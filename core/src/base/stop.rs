@@ -15,7 +15,7 @@ pub struct Stop(Arc<Shared>);
 #[derive(Default)]
 struct Shared {
     stop: AtomicBool,
-    /// Sets it as well, where there is no other thread that could.
+    /// A condition that sets it as well, for work without other threads.
     is_over: Option<Box<dyn Fn() -> bool + Send + Sync>>,
     /// Parts that are done, and above them in 32 bits all parts that there are; 0 where none are reported.
     done: AtomicU64,

@@ -249,7 +249,7 @@ mod tests {
     const RUN: fn(&dyn AnyEstimator, &Clip, usize) -> std::future::Ready<Result<Output, Error>> =
         |estimator, clip, frame| std::future::ready(estimator.run(clip, frame, &Threads::single()));
 
-    /// What work amounts to that never waits.
+    /// The result of work that never waits.
     fn at_once<T>(work: impl Future<Output = T>) -> T {
         match std::pin::pin!(work).poll(&mut Context::from_waker(Waker::noop())) {
             Poll::Ready(done) => done,

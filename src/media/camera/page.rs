@@ -12,11 +12,12 @@ use web_sys::{
     CanvasRenderingContext2d, HtmlCanvasElement, HtmlVideoElement, MediaDeviceInfo, MediaDeviceKind, MediaDevices,
     MediaStream, MediaStreamConstraints, MediaStreamTrack, MediaStreamTrackState,
 };
-use web_time::{Duration, Instant};
+use web_time::Duration;
 use yuv::{YuvConversionMode, YuvPlanarImageMut, YuvRange, YuvStandardMatrix};
 
 use super::{CameraFeed, Cameras, Device, Format, OpenedFeed, Size, TestPicture};
 use crate::media::check_size;
+use crate::media::reason;
 use crate::media::video::color::Matrix;
 use crate::work::{self, Boxed, Signal};
 
@@ -126,7 +127,7 @@ fn refusal(error: &JsValue) -> String {
         "NotReadableError" | "AbortError" => {
             "another program uses it; close that program, then choose the camera again".into()
         }
-        _ => format!("the browser cannot open it ({}); reload the page", text("message").trim_end_matches('.')),
+        _ => format!("the browser cannot open it{}; reload the page", reason::bracketed(text("message").trim_end_matches('.'))),
     }
 }
 
@@ -203,7 +204,8 @@ impl Shown {
             theirs.signal.notify();
         });
         let callback = callback.into_js_value();
-        JsFuture::from(video.play()?).await?;
+        // It plays as soon as frames come, which are waited for.
+        let _ = video.play()?;
         Ok(Self { stream, name, video, canvas, context, news, callback, size: (0, 0) })
     }
 
@@ -213,7 +215,8 @@ impl Shown {
 
     /// Waits for a new frame, but no longer than `patience` while the page is seen.
     async fn wait(&self, stop: &Stop, patience: Duration) -> Result<(), Error> {
-        let mut begun = Instant::now();
+        // Counted, because a tab that sleeps has all the time in the world.
+        let mut silent = Duration::ZERO;
         self.news.is_new.set(false);
         if self.video.request_frame(&self.callback).is_err() {
             work::sleep(FRAME).await;
@@ -229,10 +232,10 @@ impl Shown {
                 return Ok(());
             }
             // A browser shows no frames in a tab that is not seen.
-            if web_sys::window().and_then(|window| window.document()).is_some_and(|document| document.hidden()) {
-                begun = Instant::now();
+            if !web_sys::window().and_then(|window| window.document()).is_some_and(|document| document.hidden()) {
+                silent += POLL;
             }
-            if begun.elapsed() > patience {
+            if silent > patience {
                 let seconds = patience.as_secs();
                 return Err(self.error(&format!(
                     "no frame came for {seconds} s; plug the camera in again, or choose another one"
@@ -244,6 +247,9 @@ impl Shown {
     /// Reads the frame that is shown, as planes of luma and chroma.
     fn read(&self) -> Result<Vec<u8>, Error> {
         let (width, height) = self.size;
+        if (self.video.video_width(), self.video.video_height()) != self.size {
+            return Err(self.error("its picture was turned, or has another size; choose the camera again"));
+        }
         let unread = || self.error("the browser does not let its frames be read; reload the page");
         let draw = || {
             self.context.draw_image_with_html_video_element_and_dw_and_dh(

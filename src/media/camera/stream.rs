@@ -7,9 +7,8 @@ use std::thread;
 use motionscope_core::base::{Error, Stop};
 use web_time::{Duration, Instant};
 
-use super::{CameraFeed, Format};
+use super::Format;
 use crate::media::video::y4m::MAX_LINE_BYTES;
-use crate::work::Boxed;
 
 /// How often a waiting thread asks whether it should stop.
 const POLL: Duration = Duration::from_millis(10);
@@ -81,7 +80,7 @@ impl Stream {
 }
 
 impl Stream {
-    /// As [`CameraFeed::begin`], on this thread.
+    /// As [`super::CameraFeed::begin`], on this thread.
     pub(super) fn format(&self, stop: &Stop) -> Result<Format, Error> {
         match self.receive(stop, FIRST.max(self.stalled))? {
             Some(Item::Format(format)) => Ok(format),
@@ -89,22 +88,12 @@ impl Stream {
         }
     }
 
-    /// As [`CameraFeed::next`], on this thread.
+    /// As [`super::CameraFeed::next`], on this thread.
     pub(super) fn frame(&self, stop: &Stop) -> Result<Option<Vec<u8>>, Error> {
         match self.receive(stop, self.stalled)? {
             Some(Item::Frame(samples)) => Ok(Some(samples)),
             _ => Ok(None),
         }
-    }
-}
-
-impl CameraFeed for Stream {
-    fn begin<'a>(&'a mut self, stop: &'a Stop) -> Boxed<'a, Result<Format, Error>> {
-        Box::pin(async { self.format(stop) })
-    }
-
-    fn next<'a>(&'a mut self, stop: &'a Stop) -> Boxed<'a, Result<Option<Vec<u8>>, Error>> {
-        Box::pin(async { self.frame(stop) })
     }
 }
 

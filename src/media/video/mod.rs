@@ -96,6 +96,12 @@ struct FfmpegReason {
     is_known: bool,
 }
 
+/// Whether video that is coded so has a decoder of our own.
+#[cfg(target_arch = "wasm32")]
+fn is_built_in(codec: &str) -> bool {
+    matches!(codec, "h264" | "vp9" | "mjpeg" | "rawvideo")
+}
+
 /// The frames of `track` by our own decoders.
 fn decode(input: Input, mut track: Track) -> Result<Source, Error> {
     let codec: Box<dyn Codec> = match track.codec.as_str() {

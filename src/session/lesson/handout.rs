@@ -6,7 +6,7 @@ use super::{Lesson, Page};
 use crate::experiment::pixel::Chosen;
 use crate::experiment::{Position, Prepared};
 use crate::media::export::Inputs;
-use crate::media::{Open, Progress};
+use crate::media::{self, Open, Progress};
 use crate::paint::Freehand;
 use crate::session::Session;
 use crate::view::handout::{Goal, Handout, Options};
@@ -29,8 +29,10 @@ struct Printed {
 
 impl Printed {
     /// Opens the run of `page`, in the colours of print.
-    fn open(page: &Page, guard: Guard<'_>) -> Result<Self, Error> {
+    async fn open(page: &Page, guard: Guard<'_>) -> Result<Self, Error> {
         let Session { experiment, position, look, freehand, .. } = page.session.clone()?;
+        let options = Open::from(experiment.given.clone());
+        media::decode_ahead(&experiment.source.paths(), &options).await?;
         let prepared = Prepared::open(experiment, Open::default())?;
         guard(&prepared.inputs)?;
         Ok(Self { prepared, position, look: Look { theme: THEME, ..look.over(Look::default()) }, freehand })
@@ -86,7 +88,7 @@ async fn add(
     progress: Option<&dyn Progress>,
 ) -> Result<(), Error> {
     let page = lesson.page(number - 1)?;
-    let printed = Printed::open(page, guard)?;
+    let printed = Printed::open(page, guard).await?;
     let prose = page.words.as_ref().map_err(Clone::clone)?;
     let words = Words { lesson: &lesson.title, title: &page.title, number: [number, lesson.pages.len()], prose };
     handout.add(&words, printed.stand(), Goal { asks: page.asks(), until: page.until }, progress).await
@@ -119,7 +121,7 @@ async fn encoded(
     (guard, progress): (Guard<'_>, Option<&dyn Progress>),
 ) -> Result<Vec<u8>, Error> {
     let prose = page.words.as_ref().map_err(Clone::clone)?;
-    let printed = Printed::open(page, guard)?;
+    let printed = Printed::open(page, guard).await?;
     let stand = printed.stand();
     // What was drawn on the step can tell its results.
     let freehand = if answers { stand.freehand } else { Freehand::default() };

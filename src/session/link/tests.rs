@@ -134,6 +134,7 @@ fn links_are_read_as_on_the_command_line() {
     assert!(Link::parse("").0.session.is_none() && Link::parse("#").1.is_empty());
     assert_eq!(Link::parse("view=present").0.parts, Parts::Presented);
     assert_eq!(opened("estimator=diamond").experiment.source.to_string(), "synth:pillar");
+    assert_eq!(opened("synth:pillar&pixel=30,20").position.cursor, Some(Cursor::default()), "wherever it was left");
     assert_eq!(opened("%73ynth%3Apillar").experiment.estimator.info().id, first::EXAMPLE);
     assert!(Link::is_one(OsStr::new("#lesson:x")) && Link::is_one(OsStr::new("http://a/#b")));
     assert!(!Link::is_one(OsStr::new("week 4.md#2")) && !Link::is_one(OsStr::new("synth:pillar")));
@@ -165,6 +166,7 @@ fn what_is_wrong_is_said_and_the_rest_is_opened() {
         ("synth:pillar&estimator=diamond&step=x", "step", "synth:pillar&estimator=diamond"),
         ("synth:pillar&estimator=diamond&picture.legend=perhaps", "true or false", "synth:pillar&estimator=diamond"),
         ("synth:pillar&estimator=diamond&sight.zoom=2", "sight has no key center", "synth:pillar&estimator=diamond"),
+        ("synth:pillar&estimator=diamond&sight.center=nan,2&sight.zoom=2", "no part", "synth:pillar&estimator=diamond"),
         ("synth:pillar&estimator=diamond&what", "what is not written as KEY=VALUE", "synth:pillar&estimator=diamond"),
         ("synth:pillar&estimator=diamond&view=embd", "the nearest is embed", "synth:pillar&estimator=diamond"),
         ("synth:pillar&estimator=diamond&beside=dimond", "the nearest is diamond", "synth:pillar&estimator=diamond"),

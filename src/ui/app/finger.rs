@@ -3,7 +3,7 @@
 
 use eframe::egui::{Context, Event, PointerButton, Pos2, RawInput, TouchPhase, vec2};
 
-/// How long after a tap the pointer stirs, in seconds: under one that has just clicked and not moved, nothing is explained.
+/// How long after a tap the pointer stirs, in seconds: a pointer that has clicked and not moved since gets no explanations.
 const REST_SECS: f64 = 0.15;
 
 /// The last finger on the screen.

@@ -211,7 +211,11 @@ impl App {
     /// Reports if the run ends, or its unit, before the step that the session names.
     fn tell_of_step(&mut self) {
         let Some(named) = self.run.named.take_if(|_| !self.run.view.busy) else { return };
-        let Some(shown) = self.run.view.shown.as_deref().map(|shown| shown.cursor) else { return };
+        let Run { view, document, .. } = &self.run;
+        let shown = view.shown.as_deref().filter(|shown| view.refused.is_none() && document.is_of_clip(shown));
+        // A run that was stopped on its way has not ended.
+        let has_ended = |shown: &&Snapshot| shown.at_end || shown.cursor.unit == named.unit;
+        let Some(shown) = shown.filter(has_ended).map(|shown| shown.cursor) else { return };
         if order(shown) < order(named) {
             self.toasts.fail(format!("The run has no step {named}; step {shown} is shown instead."));
         }

@@ -129,7 +129,7 @@ impl Command {
         [self.entry().keys, others].concat()
     }
 
-    /// Whether this edition has it: a page has no camera of ffmpeg's and no paths, and its tab is closed by the browser.
+    /// Whether this edition has it: a page has no paths, and its tab is closed by the browser.
     pub fn is_offered(self) -> bool {
         !(IN_PAGE && matches!(self, Command::PastePath | Command::Quit))
     }

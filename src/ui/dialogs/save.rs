@@ -429,7 +429,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, granularities: Granularities
     let size = TextStyle::Body.resolve(&ctx.global_style()).size;
     let mut done = false;
     let modal = widgets::modal(ctx, "save", vec2(40.0 * size, 30.0 * size)).show(ctx, |ui| {
-        ui.set_width((40.0 * size).min(ui.ctx().content_rect().width() - 48.0));
+        ui.set_width((40.0 * size).min(widgets::room_of_dialog(ui.ctx()).x));
         ui.heading(state.kind.title());
         ui.label(RichText::new(state.explained()).weak());
         ui.add_space(8.0);
@@ -470,8 +470,8 @@ fn options(ui: &mut Ui, state: &mut State, granularities: Granularities) {
         });
         if chosen != state.chosen {
             state.choose(chosen);
-            if ui.input(|input| input.pointer.any_released()) {
-                // After a click Enter saves.
+            if ui.input(|input| input.pointer.any_released()) && !widgets::is_upright(ui.ctx()) {
+                // After a click Enter saves; on a phone a keyboard would come up.
                 state.path.focus();
             }
         }

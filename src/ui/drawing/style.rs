@@ -234,10 +234,8 @@ mod tests {
                     continue;
                 }
                 let text = fs::read_to_string(path).unwrap_or_default();
-                let words = text
-                    .split(|c: char| !c.is_alphanumeric() && c != ':')
-                    .map(|word| word.trim_start_matches("egui::"));
-                found.extend(words.filter_map(|word| word.strip_prefix("Icon::")).map(str::to_owned));
+                let names = text.split("Icon::").skip(1).map(|rest| rest.split(|c: char| !c.is_alphanumeric()).next());
+                found.extend(names.flatten().map(str::to_owned));
             }
         }
         found

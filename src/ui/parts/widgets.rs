@@ -113,7 +113,8 @@ fn around_dialog(ctx: &egui::Context) -> (i8, f32) {
 /// The most room that the content of a dialog has, in points.
 pub fn room_of_dialog(ctx: &egui::Context) -> Vec2 {
     let (margin, around) = around_dialog(ctx);
-    ctx.content_rect().size() - Vec2::splat(around + 2.0 * f32::from(margin) + 4.0)
+    const EDGES: f32 = 4.0;
+    ctx.content_rect().size() - Vec2::splat(around + 2.0 * f32::from(margin) + EDGES)
 }
 
 /// The title of a dialog with the way out at its right; returns whether that was clicked.

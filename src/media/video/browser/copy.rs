@@ -82,6 +82,7 @@ impl Copy {
             end += stride;
         }
         self.bytes.truncate(end);
+        self.bytes.shrink_to_fit();
         self.bytes
     }
 }

@@ -1,10 +1,9 @@
 //! Decodes a whole video by the browser.
 
-use std::collections::HashMap;
 use std::path::Path;
 
 use motionscope_core::base::Error;
-use web_time::{Duration, Instant};
+use web_time::Duration;
 
 use super::config::Config;
 use super::copy::{Copy, notes};
@@ -16,7 +15,7 @@ use crate::media::Open;
 use crate::media::input::Input;
 use crate::media::reason;
 use crate::media::video::coded::Track;
-use crate::media::video::{Format, track};
+use crate::media::video::{Format, is_built_in, track};
 use crate::work;
 
 /// The matrix of all VP8, which is that of standard definition, and its range.
@@ -29,7 +28,7 @@ const SPARE_BYTES: u64 = 16 << 20;
 const PATIENCE: Duration = Duration::from_secs(20);
 /// How often a cancellation is noticed.
 const POLL: Duration = Duration::from_millis(200);
-/// µs between the times that the decoder is told: samples count, since their true times may be equal.
+/// µs between the times that the decoder is given: samples count, since their true times may be equal.
 const STEP_US: f64 = 40_000.0;
 
 /// Has the browser decode the video at `path`, and keeps its frames. Does nothing if the browser cannot: opening the video says why.
@@ -58,34 +57,38 @@ pub(crate) async fn decode(path: &Path, format: Format, options: &Open) -> Resul
     let decoder = Decoder::new(&config).map_err(|why| stopped(&why))?;
     // Samples before the first key cannot be decoded.
     let next = track.samples.iter().position(|sample| sample.key).unwrap_or(0);
-    let mut job = Job { input, decoder: &decoder, places: Places::of(&track), track: &track, next, copy: None };
+    // Samples that are cut off may end the decoder before it has given the frames before them.
+    let end = track.order.iter().max().map_or(0, |last| *last as usize + 1);
+    let mut job = Job { input, decoder: &decoder, places: Places::of(&track), track: &track, next, end, copy: None };
     let failure = job.run(options).await?;
-    // A damaged clip without motion has only its damage to tell.
+    // Of a single frame of a damaged clip nothing moves: its damage is what has to be told.
     match job.copy.filter(|copy| copy.filled() > usize::from(failure.is_some())) {
         Some(copy) => {
             let notes = notes(&track.codec, &copy, track.order.len(), failure.as_deref());
             keep(path, copy.into_file(), &notes)
         }
+        // Opening it says better why the program's own decoder refuses it.
+        None if is_built_in(&track.codec) => Ok(()),
         None => Err(stopped(&failure.unwrap_or_default())),
     }
 }
 
-/// The frames that each sample is, by the number of its time.
+/// The frames that each sample is, by its place in the order of times.
 struct Places {
     /// The number of each sample in the order of their times.
-    ranks: Vec<u32>,
-    frames: HashMap<u32, Vec<usize>>,
+    ranks: Vec<usize>,
+    frames: Vec<Vec<usize>>,
 }
 
 impl Places {
     fn of(track: &Track) -> Self {
         let mut by_time: Vec<usize> = (0..track.samples.len()).collect();
         by_time.sort_by_key(|&sample| track.samples[sample].time);
-        let mut ranks = vec![0; by_time.len()];
+        let mut ranks = vec![0_usize; by_time.len()];
         (0..).zip(&by_time).for_each(|(rank, &sample)| ranks[sample] = rank);
-        let mut frames = HashMap::<u32, Vec<usize>>::new();
+        let mut frames = vec![Vec::new(); ranks.len()];
         for (frame, &sample) in track.order.iter().enumerate() {
-            frames.entry(ranks[sample as usize]).or_default().push(frame);
+            frames[ranks[sample as usize]].push(frame);
         }
         Self { ranks, frames }
     }
@@ -99,17 +102,19 @@ struct Job<'a> {
     places: Places,
     /// The next sample.
     next: usize,
+    /// Where the samples end that belong to a frame.
+    end: usize,
     copy: Option<Copy>,
 }
 
 impl Job<'_> {
     /// Decodes until all frames are there, or the decoder ends; returns why it has failed, if it has.
     async fn run(&mut self, options: &Open) -> Result<Option<String>, Error> {
-        let all = self.track.samples.len();
-        let mut heard = Instant::now();
+        // Counted, because a tab that sleeps has all the time in the world.
+        let mut silent = Duration::ZERO;
         while self.copy.as_ref().is_none_or(|copy| copy.filled() < copy.places()) {
-            options.report(self.next as f32 / all as f32)?;
-            match self.decoder.event(self.next < all, POLL).await {
+            options.report(self.next as f32 / self.end as f32)?;
+            match self.decoder.event(self.next < self.end, POLL).await {
                 Some(Event::Hungry) => self.feed()?,
                 Some(Event::Picture(picture)) => {
                     let time = picture.time();
@@ -120,12 +125,15 @@ impl Job<'_> {
                 }
                 Some(Event::Ended) => break,
                 Some(Event::Failed(why)) => return Ok(Some(why)),
-                None if heard.elapsed() > PATIENCE => {
+                None if silent > PATIENCE => {
                     return Ok(Some(format!("it has given no picture for {} s", PATIENCE.as_secs())));
                 }
-                None => continue,
+                None => {
+                    silent += POLL;
+                    continue;
+                }
             }
-            heard = Instant::now();
+            silent = Duration::ZERO;
             work::breathe().await;
         }
         Ok(None)
@@ -135,9 +143,9 @@ impl Job<'_> {
     fn feed(&mut self) -> Result<(), Error> {
         let sample = self.track.samples[self.next];
         let bytes = self.input.read_up_to(sample.offset, u64::from(sample.size))?;
-        self.decoder.feed(&bytes, f64::from(self.places.ranks[self.next]) * STEP_US, sample.key);
+        self.decoder.feed(&bytes, self.places.ranks[self.next] as f64 * STEP_US, sample.key);
         self.next += 1;
-        if self.next == self.track.samples.len() {
+        if self.next == self.end {
             self.decoder.flush();
         }
         Ok(())
@@ -157,10 +165,11 @@ impl Job<'_> {
             }
         };
         if !copy.takes(&picture) {
-            return Err(format!("the size of its pictures changes to {}×{} px", size.0, size.1));
+            let (width, height) = size;
+            return Err(format!("its pictures change to {width}×{height} px in the format {format}"));
         }
-        let rank = (time / STEP_US).round() as u32;
-        let places = self.places.frames.get(&rank).into_iter().flatten();
+        let rank = (time / STEP_US).round() as usize;
+        let places = self.places.frames.get(rank).into_iter().flatten();
         places.for_each(|&place| copy.put(place, &picture));
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! Everything else in a page, through the browser's own decoder.
+//! Video that has no decoder of ours, decoded by the browser.
 //!
 //! That decoder answers later, but a clip delivers its frames at once. So [`decode`] has a whole video decoded before it is opened, by the
 //! samples of our own demuxers, and keeps the frames as a Y4M copy in memory; [`open`] opens that copy. Here is also everything about it that

@@ -46,8 +46,9 @@ fn buttons(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, actions: &mut Acti
     if ui.button("Copy as CSV").on_hover_text("Copy all rows so far as CSV, for a spreadsheet.").clicked() {
         ui.copy_text(comparison::csv(rows));
     }
-    let buttons = if IN_PAGE { 5.0 } else { 11.0 };
-    let width = (FIELD_LETTERS * size).min(ui.available_width() - buttons * size);
+    let buttons_letters = if IN_PAGE { 5.0 } else { 11.0 };
+    let left = ui.available_width() - buttons_letters * size;
+    let width = left.clamp(4.0 * size, FIELD_LETTERS * size);
     let mut is_entered = state.file.show(ui, "File of the plot or the table", width);
     if !IN_PAGE && ui.button("Browse…").clicked() {
         actions.ask(Action::Browse(Browse::SaveFile));
