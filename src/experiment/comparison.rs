@@ -117,7 +117,7 @@ impl Row {
     }
 }
 
-/// How the runs are done that figures need in addition.
+/// Does the runs that figures need in addition.
 pub(super) fn run_on(threads: &Threads) -> impl Run {
     async |estimator: &dyn AnyEstimator, clip: &Clip, frame: usize| {
         whole::output(estimator, (clip, frame), threads).await.map(|(output, _)| output)

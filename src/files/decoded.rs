@@ -22,7 +22,7 @@ pub fn keep(copy: &Path, bytes: Vec<u8>) -> io::Result<()> {
     memory.insert(copy, Bytes::from(bytes))
 }
 
-/// How many more bytes can be kept.
+/// Bytes that can still be kept.
 pub fn room() -> u64 {
     memory::lock().room()
 }

@@ -3,13 +3,13 @@
 
 use eframe::egui::{Context, Event, PointerButton, Pos2, RawInput, TouchPhase, vec2};
 
-/// How long after a tap the pointer stirs, in seconds: a pointer that has clicked and not moved since gets no explanations.
+/// Seconds after a tap until the pointer stirs: one that has clicked and not moved since gets no explanations.
 const REST_SECS: f64 = 0.15;
 
 /// The last finger on the screen.
 #[derive(Debug, Default)]
 pub(super) struct Finger {
-    /// Where and when it was lifted, until the pointer has stirred there.
+    /// Place and time of the lift, until the pointer has stirred there.
     lifted: Option<(Pos2, f64)>,
 }
 
@@ -75,7 +75,7 @@ mod tests {
                     response.on_hover_ui(|_| shown[index] = true);
                 }
             };
-            drop(ctx.run_ui(input, draw));
+            ctx.run_ui(input, draw).textures_delta.clear();
         }
         shown
     }

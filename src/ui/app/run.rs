@@ -213,7 +213,7 @@ impl App {
         let Some(named) = self.run.named.take_if(|_| !self.run.view.busy) else { return };
         let Run { view, document, .. } = &self.run;
         let shown = view.shown.as_deref().filter(|shown| view.refused.is_none() && document.is_of_clip(shown));
-        // A run that was stopped on its way has not ended.
+        // A run that was stopped before has not ended.
         let has_ended = |shown: &&Snapshot| shown.at_end || shown.cursor.unit == named.unit;
         let Some(shown) = shown.filter(has_ended).map(|shown| shown.cursor) else { return };
         if order(shown) < order(named) {

@@ -105,7 +105,7 @@ pub fn is_upright(ctx: &egui::Context) -> bool {
     layout::is_upright(ctx.content_rect().size(), TextStyle::Body.resolve(&ctx.global_style()).size)
 }
 
-/// The margin within a dialog, and what is left of the window beside it, in points.
+/// The margin within a dialog, and the part of the window that it leaves free, in points.
 fn around_dialog(ctx: &egui::Context) -> (i8, f32) {
     if is_upright(ctx) { (10, 16.0) } else { (20, 64.0) }
 }

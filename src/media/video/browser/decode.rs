@@ -24,7 +24,7 @@ const VP8_COLORS: (u32, bool) = (6, false);
 const MOST_BYTES: u64 = 512 << 20;
 /// Memory that is left for other files.
 const SPARE_BYTES: u64 = 16 << 20;
-/// How long a decoder may give nothing.
+/// Time for which a decoder may give nothing.
 const PATIENCE: Duration = Duration::from_secs(20);
 /// How often a cancellation is noticed.
 const POLL: Duration = Duration::from_millis(200);
@@ -102,7 +102,7 @@ struct Job<'a> {
     places: Places,
     /// The next sample.
     next: usize,
-    /// Where the samples end that belong to a frame.
+    /// End of the samples that belong to a frame.
     end: usize,
     copy: Option<Copy>,
 }
