@@ -10,3 +10,5 @@ pub const BESIDE: [&str; 3] = ["full-search", "three-step", "diamond"];
 pub const EXHAUSTIVE: &str = "full-search";
 /// The estimator for a file of detections.
 pub const OF_DETECTIONS: &str = "kalman-tracker";
+/// The estimator for two views of one moment.
+pub const OF_VIEWS: &str = "block-stereo";

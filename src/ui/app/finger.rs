@@ -21,6 +21,10 @@ impl Finger {
             _ => None,
         };
         if input.events.iter().any(|event| matches!(event, Event::Touch { phase: TouchPhase::End, .. })) {
+            if is_on_button(ctx) {
+                self.lifted = None;
+                return;
+            }
             self.lifted = input.events.iter().find_map(lifted_at).map(|at| (at, now));
             input.events.retain(|event| *event != Event::PointerGone);
             return ctx.request_repaint();
@@ -31,7 +35,6 @@ impl Finger {
         let Some((at, when)) = self.lifted else { return };
         let is_done = ctx.interaction_snapshot(|now| now.clicked.or(now.drag_stopped).is_some());
         if is_done {
-            // A button that was tapped needs no explanation.
             input.events.push(Event::PointerGone);
             self.lifted = None;
         } else if now - when < REST_SECS {
@@ -41,6 +44,12 @@ impl Finger {
             self.lifted = None;
         }
     }
+}
+
+/// Whether the finger rests on something that does what it says, and needs no explanation.
+fn is_on_button(ctx: &Context) -> bool {
+    let below = ctx.interaction_snapshot(|now| now.contains_pointer.clone());
+    below.iter().any(|id| ctx.read_response(*id).is_some_and(|response| response.sense.senses_click()))
 }
 
 #[cfg(test)]

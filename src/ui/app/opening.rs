@@ -230,7 +230,7 @@ impl App {
         }
         let Some(mut session) = session else {
             self.recording_opened(path);
-            self.choose_tracker();
+            self.choose_fitting();
             // Where there are no pictures, what was detected is the first thing to be seen.
             let is_blank = self.run.document.clip().is_some_and(Clip::is_blank);
             let start = if is_blank { Place::at(Cursor { unit: 0, event: 1 }) } else { Place::OPENING };

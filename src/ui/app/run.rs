@@ -2,11 +2,11 @@
 
 use motionscope_core::base::Error;
 use motionscope_core::course::estimator;
-use motionscope_core::data::Clip;
 use motionscope_core::run::{Cursor, Direction, Move};
 
 use super::App;
 use crate::experiment::side_by_side::SideBySide;
+use crate::experiment::suitability::{Flaw, Suitability};
 use crate::experiment::{Experiment, Position, first, is_of_pair, told_of_pair};
 use crate::paint::charts::heat_map;
 use crate::paint::{self, number};
@@ -216,7 +216,9 @@ impl App {
         // A run that was stopped before has not ended.
         let has_ended = |shown: &&Snapshot| shown.at_end || shown.cursor.unit == named.unit;
         let Some(shown) = shown.filter(has_ended).map(|shown| shown.cursor) else { return };
-        if order(shown) < order(named) {
+        // The end of a unit is named without an event.
+        let is_missing = if named.event == usize::MAX { shown.unit < named.unit } else { order(shown) < order(named) };
+        if is_missing {
             self.toasts.fail(format!("The run has no step {named}; step {shown} is shown instead."));
         }
     }
@@ -241,17 +243,19 @@ impl App {
         }
     }
 
-    /// Takes a tracker where there are no pictures to be looked at.
-    pub(super) fn choose_tracker(&mut self) {
-        let is_blank = self.run.document.clip().is_some_and(Clip::is_blank);
-        let Some(tracker) =
-            estimator(first::OF_DETECTIONS).ok().filter(|_| is_blank && self.run.document.estimator().needs_pictures())
-        else {
-            return;
+    /// Takes a tracker where there are no pictures to be looked at, and an estimator of disparities for two views of one moment.
+    pub(super) fn choose_fitting(&mut self) {
+        let (document, source) = (&self.run.document, &self.run.document.experiment().source);
+        let Some(clip) = document.clip() else { return };
+        let fitting = match Suitability::of(document.estimator(), source, clip) {
+            Suitability::Unsuited(Flaw::Frames) => first::OF_DETECTIONS,
+            Suitability::Unsuited(Flaw::NextFrame) if clip.right().is_some() => first::OF_VIEWS,
+            _ => return,
         };
+        let Ok(fitting) = estimator(fitting) else { return };
         let was_single = self.run.shows_frame_alone();
         let source = self.run.document.experiment().source.clone();
-        self.run.document.restore(Experiment::new(source, tracker));
+        self.run.document.restore(Experiment::new(source, fitting));
         self.suit_view(was_single);
     }
 }

@@ -252,8 +252,10 @@ fn column(ui: &mut Ui, input: Input<'_>, state: &mut State, [has_why, has_how]: 
     let known = state.parts.take().filter(|parts| Arc::ptr_eq(&parts.step, step));
     let parts = known.unwrap_or_else(|| Parts::new(ui.painter(), input, key));
     let from = ui.cursor().min.y;
-    // The sentence stays in sight, however far the rest is scrolled.
-    if has_why {
+    // The sentence stays in sight, however far the rest is scrolled, unless it leaves the formula no room.
+    let told = state.sentence.max(parts.sentence.size.y) + parts.equation.size.y + 2.0 * ui.spacing().item_spacing.y;
+    let is_long = told > ui.available_height();
+    if has_why && !is_long {
         hold(ui, &mut state.sentence, at_end, |ui| _ = parts.sentence.show(ui, "sentence", beside));
     }
     // Nor does the line at work: it stands at the bottom where it is scrolled out of sight. Nothing scrolls by itself.
@@ -265,6 +267,9 @@ fn column(ui: &mut Ui, input: Input<'_>, state: &mut State, [has_why, has_how]: 
     let scrolled = scroll.show(ui, |ui| {
         let mut places = Vec::new();
         let top_of_all = ui.cursor().min.y;
+        if has_why && is_long {
+            hold(ui, &mut state.sentence, at_end, |ui| _ = parts.sentence.show(ui, "sentence", beside));
+        }
         // Before the first step there is neither: no room is kept then.
         let has_numbers = parts.facts.size.y > 0.0 || parts.equation.size.y > 0.0;
         if has_numbers && has_why {

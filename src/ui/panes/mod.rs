@@ -252,6 +252,9 @@ impl Panes<'_> {
                 false => (whole, whole),
             };
             let mut inside = ui.new_child(UiBuilder::new().id_salt("above").max_rect(above));
+            if all.has_tabs() {
+                inside.set_clip_rect(inside.clip_rect().intersect(above.expand2(vec2(f32::from(margin.left), 0.0))));
+            }
             match room {
                 Some(room) => panes.strip(&mut inside, room),
                 None => panes.explanation(&mut inside, all.is_told_wide),
