@@ -1,7 +1,7 @@
 //! A finger on a screen: where it taps something that is only to be read, the pointer rests, so that the explanation of a value comes
 //! as it does under a mouse.
 
-use eframe::egui::{Context, Event, PointerButton, Pos2, RawInput, TouchPhase, vec2};
+use eframe::egui::{Context, Event, PointerButton, Pos2, RawInput, TouchPhase};
 
 /// Seconds after a tap until the pointer stirs: one that has clicked and not moved since gets no explanations.
 const REST_SECS: f64 = 0.15;
@@ -16,21 +16,24 @@ pub(super) struct Finger {
 impl Finger {
     /// Changes the input of a frame that begins at the time `now`.
     pub fn rest(&mut self, ctx: &Context, input: &mut RawInput, now: f64) {
-        let lifted_at = |event: &Event| match event {
-            Event::PointerButton { pos, button: PointerButton::Primary, pressed: false, .. } => Some(*pos),
-            _ => None,
+        let is_touched = |of: TouchPhase| {
+            input.events.iter().any(|event| matches!(event, Event::Touch { phase, .. } if *phase == of))
         };
-        if input.events.iter().any(|event| matches!(event, Event::Touch { phase: TouchPhase::End, .. })) {
+        if is_touched(TouchPhase::End) {
             if is_on_button(ctx) {
                 self.lifted = None;
                 return;
             }
-            self.lifted = input.events.iter().find_map(lifted_at).map(|at| (at, now));
+            self.lifted = button_at(&input.events, false).map(|at| (at, now));
             input.events.retain(|event| *event != Event::PointerGone);
             return ctx.request_repaint();
         }
         if input.events.iter().any(|event| matches!(event, Event::Touch { .. } | Event::PointerMoved(_))) {
             self.lifted = None;
+        }
+        // A finger comes from nowhere: without a move the pointer would count as one that has rested there, and get an explanation.
+        if let Some(at) = button_at(&input.events, true).filter(|_| is_touched(TouchPhase::Start)) {
+            input.events.insert(0, Event::PointerMoved(at));
         }
         let Some((at, when)) = self.lifted else { return };
         let is_done = ctx.interaction_snapshot(|now| now.clicked.or(now.drag_stopped).is_some());
@@ -40,10 +43,20 @@ impl Finger {
         } else if now - when < REST_SECS {
             ctx.request_repaint_after_secs((REST_SECS - (now - when)) as f32);
         } else {
-            input.events.push(Event::PointerMoved(at + vec2(0.5, 0.0)));
+            input.events.push(Event::PointerMoved(at));
             self.lifted = None;
         }
     }
+}
+
+/// The place at which the pointer is pressed, or let go.
+fn button_at(events: &[Event], is_pressed: bool) -> Option<Pos2> {
+    events.iter().find_map(|event| match event {
+        Event::PointerButton { pos, button: PointerButton::Primary, pressed, .. } => {
+            Some(*pos).filter(|_| *pressed == is_pressed)
+        }
+        _ => None,
+    })
 }
 
 /// Whether the finger rests on something that does what it says, and needs no explanation.
@@ -54,7 +67,7 @@ fn is_on_button(ctx: &Context) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use eframe::egui::{Sense, TouchDeviceId, TouchId, Ui, pos2};
+    use eframe::egui::{Sense, TouchDeviceId, TouchId, Ui, pos2, vec2};
 
     use super::*;
 
