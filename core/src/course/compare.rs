@@ -237,6 +237,7 @@ fn kept(a: &Output, b: &Output, shift: [f32; 2]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use std::future::{Ready, ready};
     use std::task::{Context, Poll, Waker};
 
     use super::*;
@@ -246,8 +247,9 @@ mod tests {
     use crate::products::BlockField;
     use crate::run::{Cursor, Move};
 
-    const RUN: fn(&dyn AnyEstimator, &Clip, usize) -> std::future::Ready<Result<Output, Error>> =
-        |estimator, clip, frame| std::future::ready(estimator.run(clip, frame, &Threads::single()));
+    fn run(estimator: &dyn AnyEstimator, clip: &Clip, frame: usize) -> Ready<Result<Output, Error>> {
+        ready(estimator.run(clip, frame, &Threads::single()))
+    }
 
     /// The result of work that never waits.
     fn at_once<T>(work: impl Future<Output = T>) -> T {
@@ -258,7 +260,7 @@ mod tests {
     }
 
     fn figures(estimator: &dyn AnyEstimator, ran: &RunSummary, clip: &Clip) -> Figures {
-        at_once(Figures::of(estimator, ran, (clip, 0), &RUN)).expect("figures")
+        at_once(Figures::of(estimator, ran, (clip, 0), &run)).expect("figures")
     }
 
     fn clip() -> Clip {
@@ -330,7 +332,7 @@ mod tests {
         let kept = |id: &str, range: &str, pan_px| {
             let mut search = estimator(id).expect("it");
             search.set("search-range", range).expect("in range");
-            at_once(kept_in_pan(&*search, (&clip, 0), pan_px, &RUN)).map(|(share, _)| share)
+            at_once(kept_in_pan(&*search, (&clip, 0), pan_px, &run)).map(|(share, _)| share)
         };
         assert_eq!(kept("full-search", "16", 0), Ok(1.0));
         assert_eq!(kept("full-search", "16", 40), Ok(0.0));

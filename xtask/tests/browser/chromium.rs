@@ -62,11 +62,6 @@ impl Browser {
         let id = target["targetId"].as_str().expect("the id of a tab");
         Session::connect(self.port, &format!("/devtools/page/{id}"))
     }
-
-    /// Has downloads written into a folder without asking.
-    pub fn download_to(&mut self, folder: &Path) {
-        self.session.call("Browser.setDownloadBehavior", json!({ "behavior": "allow", "downloadPath": folder }));
-    }
 }
 
 impl Drop for Browser {

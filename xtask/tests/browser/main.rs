@@ -305,59 +305,45 @@ fn a_step_says_the_same_as_on_a_desktop() {
     assert!(differing.is_empty(), "{}", differing.join("\n"));
 }
 
-/// The file in a folder, once the browser has written all of it.
-fn downloaded(folder: &Path) -> (String, Vec<u8>) {
-    let begun = std::time::Instant::now();
-    loop {
-        let mut files = std::fs::read_dir(folder).expect("the folder of downloads").flatten();
-        if let (Some(file), None) = (files.next(), files.next()) {
-            let name = file.file_name().into_string().expect("a name");
-            if !name.ends_with(".crdownload") && !name.starts_with('.') {
-                return (name, std::fs::read(file.path()).expect("its content"));
-            }
+/// The picture that is exported into a folder: Enter saves it once the dialog is there.
+fn exported(tab: &mut Tab, folder: &Path) -> Vec<u8> {
+    tab.press_ctrl("e");
+    for _ in 0..60 {
+        std::thread::sleep(Duration::from_millis(700));
+        let files: Vec<_> = std::fs::read_dir(folder).expect("the folder of downloads").flatten().collect();
+        if let [file] = files.as_slice()
+            && file.path().extension().is_some_and(|ending| ending == "png")
+        {
+            let picture = std::fs::read(file.path()).expect("its content");
+            std::fs::remove_file(file.path()).expect("it is taken away");
+            return picture;
         }
-        assert!(begun.elapsed() < Duration::from_secs(60), "nothing is downloaded");
-        std::thread::sleep(Duration::from_millis(20));
+        tab.press("Enter");
     }
+    tab.screenshot("failure");
+    panic!("nothing is downloaded");
 }
 
-/// Pictures of block searches, template matching and frame differences have the same bytes from both editions.
+/// Whole numbers alone decide what block searches draw.
 #[test]
 fn an_exported_picture_is_that_of_a_desktop() {
     let (server, mut browser) = (serve("/"), Browser::start());
-    let folder = tempfile::tempdir().expect("a folder");
-    browser.download_to(folder.path());
+    let folder = tempfile::Builder::new().prefix("downloads").tempdir().expect("a folder");
     let mut tab = open(&mut browser, &server, "");
-    let searches = ["full-search", "diamond", "three-step", "hierarchical", "template-matching"];
-    let steps =
-        searches.into_iter().flat_map(|estimator| ["1.1", "17.3", "35.7", "60.2"].map(|step| (estimator, step)));
+    tab.call("Browser.setDownloadBehavior", json!({ "behavior": "allow", "downloadPath": folder.path() }));
+    let searches = ["full-search", "diamond", "three-step", "hierarchical"];
+    let steps = ["1.1", "17.3", "35.7", "60.2", "75.4"];
     let mut differing = Vec::new();
-    for (estimator, step) in steps {
-        let link = format!("#synth:pillar&estimator={estimator}&step={step}&picture.theme=dark");
+    for (estimator, step) in searches.into_iter().flat_map(|estimator| steps.map(|step| (estimator, step))) {
+        let link = format!("#synth:pillar&estimator={estimator}&step={step}");
         tab.evaluate(&format!("{{ location.hash = '{link}' }}"));
         let is_there = |shown: &tab::Shown| shown.text("estimator") == estimator && shown.text("step") == step;
         tab.wait("the step", |shown| is_there(shown) && !shown.is_busy());
-        tab.press_ctrl("e");
-        std::thread::sleep(Duration::from_millis(500));
-        tab.screenshot("export");
-        tab.press("Enter");
-        let (name, picture) = downloaded(folder.path());
-        assert!(name.ends_with(".png"), "{name}");
-        std::fs::remove_file(folder.path().join(&name)).expect("it is taken away");
+        let picture = exported(&mut tab, folder.path());
         let wanted = folder.path().with_extension("png");
-        let target = wanted.to_str().expect("a path");
-        desktop(&[
-            "run",
-            "synth:pillar",
-            "--estimator",
-            estimator,
-            "--step",
-            step,
-            "--theme",
-            "dark",
-            "--overlay",
-            target,
-        ]);
+        let run = ["run", "synth:pillar", "--estimator", estimator, "--step", step];
+        let look = ["--theme", "light", "--scale", "2", "--legend", "--overlay", wanted.to_str().expect("a path")];
+        desktop(&[run.as_slice(), &look].concat());
         if std::fs::read(&wanted).expect("the picture") != picture {
             differing.push(format!("{estimator} {step}"));
         }
@@ -391,14 +377,16 @@ fn a_browser_that_stores_nothing_shows_everything() {
 #[test]
 fn a_tab_that_slept_goes_on_with_its_work() {
     let (server, mut browser) = (serve("/"), Browser::start());
-    let mut tab = open(&mut browser, &server, "#synth:pillar&estimator=full-search");
-    tab.wait("full search", |shown| shown.text("estimator") == "full-search" && !shown.is_busy());
+    let mut tab = open(&mut browser, &server, "#synth:pillar,width=640,height=480&estimator=tv-l1");
+    tab.wait("TV-L1", |shown| shown.text("estimator") == "tv-l1" && !shown.is_busy());
     tab.press("End");
+    tab.wait("the run to begin", |shown| shown.is_busy());
     tab.call("Page.setWebLifecycleState", json!({ "state": "frozen" }));
     assert!(tab.shown().is_some_and(|shown| shown.is_busy()), "it was at work");
     std::thread::sleep(Duration::from_secs(2));
+    let asleep = tab.shown().expect("a summary");
     tab.call("Page.setWebLifecycleState", json!({ "state": "active" }));
-    tab.wait("the end of the search", |shown| !shown.is_busy() && shown.text("sentence").starts_with("All"));
+    tab.wait("the run to go on", |shown| shown.text("step") != asleep.text("step"));
 }
 
 #[test]
