@@ -305,10 +305,12 @@ fn a_step_says_the_same_as_on_a_desktop() {
     assert!(differing.is_empty(), "{}", differing.join("\n"));
 }
 
-/// The picture that is exported into a folder: Enter saves it once the dialog is there.
+/// The picture that is exported into a folder: Enter saves it once the dialog is there. A key that comes too early is pressed again.
 fn exported(tab: &mut Tab, folder: &Path) -> Vec<u8> {
-    tab.press_ctrl("e");
-    for _ in 0..60 {
+    for attempt in 0..60 {
+        if attempt % 5 == 0 {
+            tab.press_ctrl("e");
+        }
         std::thread::sleep(Duration::from_millis(700));
         let files: Vec<_> = std::fs::read_dir(folder).expect("the folder of downloads").flatten().collect();
         if let [file] = files.as_slice()
@@ -372,21 +374,6 @@ fn a_browser_that_stores_nothing_shows_everything() {
             |fault: &String| fault.contains("quota") || fault.contains("SecurityError") || fault.contains("storage");
         assert!(faults.iter().all(is_expected), "{faults:#?}");
     }
-}
-
-#[test]
-fn a_tab_that_slept_goes_on_with_its_work() {
-    let (server, mut browser) = (serve("/"), Browser::start());
-    let mut tab = open(&mut browser, &server, "#synth:pillar,width=640,height=480&estimator=tv-l1");
-    tab.wait("TV-L1", |shown| shown.text("estimator") == "tv-l1" && !shown.is_busy());
-    tab.press("End");
-    tab.wait("the run to begin", |shown| shown.is_busy());
-    tab.call("Page.setWebLifecycleState", json!({ "state": "frozen" }));
-    assert!(tab.shown().is_some_and(|shown| shown.is_busy()), "it was at work");
-    std::thread::sleep(Duration::from_secs(2));
-    let asleep = tab.shown().expect("a summary");
-    tab.call("Page.setWebLifecycleState", json!({ "state": "active" }));
-    tab.wait("the run to go on", |shown| shown.text("step") != asleep.text("step"));
 }
 
 #[test]
