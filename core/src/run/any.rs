@@ -154,7 +154,7 @@ pub trait AnyEstimator: Params + Send + Sync {
     ///
     /// # Errors
     /// As [`AnyEstimator::begin`].
-    fn begin_counted(&self, clip: &Clip, frame: usize) -> Result<Box<dyn AnyRun>, Error>;
+    fn begin_counted(&self, clip: &Clip, frame: usize) -> Result<Box<dyn CountedRun>, Error>;
 
     /// The size of a whole run, without its result.
     ///
@@ -182,53 +182,53 @@ pub trait AnyRun: Send {
     /// The products so far.
     fn output(&self) -> Output;
 
-    /// The products and the size so far, if the size is counted.
-    fn summary(&self) -> Option<RunSummary>;
-
     /// Memory that its state takes with all that is shared, in bytes.
     fn bytes(&self) -> usize;
 }
 
+/// A run whose units and events are counted.
+pub trait CountedRun: AnyRun {
+    /// The products and the size so far.
+    fn summary(&self) -> RunSummary;
+}
+
 /// The run of one estimator.
-struct Running<E: Estimator> {
+struct Running<E: Estimator, T> {
     estimator: E,
     clip: Clip,
     state: E::State,
-    count: Option<Count>,
+    tally: T,
 }
 
-impl<E: Estimator> Running<E> {
-    fn begin(estimator: &E, clip: &Clip, frame: usize, count: Option<Count>) -> Result<Box<dyn AnyRun>, Error> {
+impl<E: Estimator, T: Tally<E::Event>> Running<E, T> {
+    fn begin(estimator: &E, clip: &Clip, frame: usize, tally: T) -> Result<Self, Error> {
         check_pictures::<E>(clip)?;
         check_memory(estimator, clip, |need| need.run)?;
         let state = estimator.start(clip, frame)?;
-        Ok(Box::new(Self { estimator: estimator.clone(), clip: clip.clone(), state, count }))
+        Ok(Self { estimator: estimator.clone(), clip: clip.clone(), state, tally })
     }
 }
 
-impl<E: Estimator> AnyRun for Running<E> {
+impl<E: Estimator, T: Tally<E::Event> + Send> AnyRun for Running<E, T> {
     fn advance(&mut self) -> Result<Progress, Error> {
-        let Self { estimator, clip, state, count } = self;
+        let Self { estimator, clip, state, tally } = self;
         clip.wanted()?;
-        match count {
-            Some(count) => {
-                Tally::<E::Event>::add_units(count, 1);
-                estimator.advance(clip, state, &mut Tally::<E::Event>::counter(count))
-            }
-            None => estimator.advance(clip, state, &mut ()),
-        }
+        tally.add_units(1);
+        estimator.advance(clip, state, &mut tally.counter())
     }
 
     fn output(&self) -> Output {
         self.estimator.output(&self.state)
     }
 
-    fn summary(&self) -> Option<RunSummary> {
-        self.count.as_ref().map(|count| RunSummary::of(&self.estimator, &self.state, count))
-    }
-
     fn bytes(&self) -> usize {
         self.estimator.memory_bytes(&self.state)
+    }
+}
+
+impl<E: Estimator> CountedRun for Running<E, Count> {
+    fn summary(&self) -> RunSummary {
+        RunSummary::of(&self.estimator, &self.state, &self.tally)
     }
 }
 
@@ -311,11 +311,11 @@ impl<E: Estimator> AnyEstimator for E {
     }
 
     fn begin(&self, clip: &Clip, frame: usize) -> Result<Box<dyn AnyRun>, Error> {
-        Running::begin(self, clip, frame, None)
+        Ok(Box::new(Running::begin(self, clip, frame, ())?))
     }
 
-    fn begin_counted(&self, clip: &Clip, frame: usize) -> Result<Box<dyn AnyRun>, Error> {
-        Running::begin(self, clip, frame, Some(Count::default()))
+    fn begin_counted(&self, clip: &Clip, frame: usize) -> Result<Box<dyn CountedRun>, Error> {
+        Ok(Box::new(Running::begin(self, clip, frame, Count::default())?))
     }
 
     fn evaluations(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Vec<u32>, Error> {

@@ -11,7 +11,7 @@ pub mod stage;
 mod timeline;
 mod walk;
 
-pub use any::{AnyEstimator, AnyRun, Extent, RunSummary};
+pub use any::{AnyEstimator, AnyRun, CountedRun, Extent, RunSummary};
 pub use cursor::Cursor;
 pub use estimator::{
     Estimator, FRAME, Granularity, Guarantee, Info, LEVEL, Progress, ROW, Seen, run_counted, run_observed,
