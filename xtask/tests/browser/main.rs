@@ -231,7 +231,7 @@ fn video_that_the_browser_decodes_says_the_same_as_on_a_desktop() {
 }
 
 #[test]
-fn video_that_nobody_decodes_says_what_to_do() {
+fn video_without_a_decoder_says_what_to_do() {
     let (server, mut browser) = (serve("/"), Browser::start());
     let mut tab = open(&mut browser, &server, "");
     let refused = |tab: &mut Tab, clip: &Path, words: &[&str]| {
@@ -307,11 +307,11 @@ fn a_step_says_the_same_as_on_a_desktop() {
 
 /// The picture that is exported into a folder: Enter saves it once the dialog is there. A key that comes too early is pressed again.
 fn exported(tab: &mut Tab, folder: &Path) -> Vec<u8> {
-    for attempt in 0..60 {
-        if attempt % 5 == 0 {
+    for attempt in 0..150 {
+        if attempt % 10 == 0 {
             tab.press_ctrl("e");
         }
-        std::thread::sleep(Duration::from_millis(700));
+        std::thread::sleep(Duration::from_millis(300));
         let files: Vec<_> = std::fs::read_dir(folder).expect("the folder of downloads").flatten().collect();
         if let [file] = files.as_slice()
             && file.path().extension().is_some_and(|ending| ending == "png")
@@ -374,6 +374,23 @@ fn a_browser_that_stores_nothing_shows_everything() {
             |fault: &String| fault.contains("quota") || fault.contains("SecurityError") || fault.contains("storage");
         assert!(faults.iter().all(is_expected), "{faults:#?}");
     }
+}
+
+#[test]
+fn a_tab_that_slept_goes_on_with_its_work() {
+    let (server, mut browser) = (serve("/"), Browser::start());
+    let mut tab = open(&mut browser, &server, "#synth:pillar,width=640,height=480&estimator=horn-schunck");
+    tab.wait("the first step", |shown| shown.text("estimator") == "horn-schunck" && !shown.is_busy());
+    tab.press("End");
+    tab.wait("the run to begin", |shown| shown.is_busy());
+    tab.call("Page.setWebLifecycleState", json!({ "state": "frozen" }));
+    assert!(tab.shown().is_some_and(|shown| shown.is_busy()), "it was at work");
+    std::thread::sleep(Duration::from_secs(2));
+    tab.call("Page.setWebLifecycleState", json!({ "state": "active" }));
+    // A tab that was frozen stays hidden until a person comes back to it from another one.
+    let _other = Tab::new(&mut browser);
+    tab.call("Page.bringToFront", json!({}));
+    tab.wait("the end of the run", |shown| !shown.is_busy() && shown.text("step") != "0");
 }
 
 #[test]
