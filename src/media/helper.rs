@@ -2,19 +2,15 @@
 
 use std::ffi::OsStr;
 use std::io::{self, BufReader, Read};
-use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
 use motionscope_core::base::Error;
 use web_time::{Duration, Instant};
 
 /// How often a waiting thread asks whether it should stop.
-const POLL: Duration = Duration::from_millis(10);
-/// How often a thread looks whether a process that it watches is late.
-const WATCH: Duration = Duration::from_millis(100);
+pub(in crate::media) const POLL: Duration = Duration::from_millis(10);
 /// Bytes of messages on standard error that are kept.
 const MOST_MESSAGE_BYTES: u64 = 64 << 10;
 
@@ -126,108 +122,6 @@ pub(in crate::media) fn read_messages(errors: impl Read, mut keep: impl FnMut(&s
     let _ = io::copy(&mut errors, &mut io::sink());
 }
 
-/// A process that takes our data. It is ended where it takes nothing for too long, so that writing to it has an end.
-pub(in crate::media) struct Watched {
-    watch: Arc<Watch>,
-    patience: Duration,
-}
-
-struct Watch {
-    child: Mutex<Running>,
-    /// When the present wait began, if there is one.
-    waits_since: Mutex<Option<Instant>>,
-    is_ended: AtomicBool,
-    is_late: AtomicBool,
-}
-
-/// A wait for the process, until it is dropped.
-pub(in crate::media) struct Waiting<'a>(&'a Watch);
-
-impl Drop for Waiting<'_> {
-    fn drop(&mut self) {
-        *locked(&self.0.waits_since) = None;
-    }
-}
-
-impl Watched {
-    /// Watches `child`, which is ended where a wait takes longer than `patience`.
-    pub(in crate::media) fn new(child: Child, patience: Duration) -> Self {
-        let watch = Arc::new(Watch {
-            child: Mutex::new(Running(child)),
-            waits_since: Mutex::default(),
-            is_ended: AtomicBool::new(false),
-            is_late: AtomicBool::new(false),
-        });
-        let weak = Arc::downgrade(&watch);
-        thread::spawn(move || {
-            // It ends with the owner.
-            while let Some(watch) = weak.upgrade() {
-                if locked(&watch.waits_since).is_some_and(|since| since.elapsed() > patience) {
-                    watch.is_late.store(true, Ordering::Relaxed);
-                    watch.end();
-                    break;
-                }
-                drop(watch);
-                thread::sleep(WATCH);
-            }
-        });
-        Self { watch, patience }
-    }
-
-    /// Begins a wait for the process.
-    pub(in crate::media) fn expect_progress(&self) -> Waiting<'_> {
-        *locked(&self.watch.waits_since) = Some(Instant::now());
-        Waiting(&self.watch)
-    }
-
-    /// Ends the process.
-    pub(in crate::media) fn end(&self) {
-        self.watch.end();
-    }
-
-    /// Whether it was ended from here.
-    pub(in crate::media) fn is_ended(&self) -> bool {
-        self.watch.is_ended.load(Ordering::Relaxed)
-    }
-
-    /// Whether it was ended because a wait took too long.
-    pub(in crate::media) fn is_late(&self) -> bool {
-        self.watch.is_late.load(Ordering::Relaxed)
-    }
-
-    /// Waits until the process ends; it is ended when `is_cancelled`, or when it takes too long.
-    ///
-    /// # Errors
-    /// If the system does not say how it ended.
-    pub(in crate::media) fn wait(&self, is_cancelled: &dyn Fn() -> bool) -> io::Result<ExitStatus> {
-        let begun = Instant::now();
-        loop {
-            if let Some(status) = locked(&self.watch.child).0.try_wait()? {
-                return Ok(status);
-            }
-            if !self.is_ended() && begun.elapsed() > self.patience {
-                self.watch.is_late.store(true, Ordering::Relaxed);
-                self.end();
-            } else if !self.is_ended() && is_cancelled() {
-                self.end();
-            }
-            thread::sleep(POLL);
-        }
-    }
-}
-
-impl Watch {
-    fn end(&self) {
-        self.is_ended.store(true, Ordering::Relaxed);
-        // It may have ended by itself.
-        let _ = locked(&self.child).0.kill();
-    }
-}
-
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
 #[cfg(all(test, unix))]
 mod tests {
     use super::*;
@@ -271,23 +165,6 @@ mod tests {
             assert!(!process.exists(), "{script} is still there");
             std::fs::remove_file(&own_id).unwrap();
         }
-    }
-
-    #[test]
-    fn a_program_that_takes_nothing_does_not_keep_its_writer() {
-        use std::io::Write as _;
-        let mut command = program("sleep");
-        let mut child = command.arg("600").stdin(Stdio::piped()).spawn().unwrap();
-        let mut input = child.stdin.take().unwrap();
-        let watched = Watched::new(child, Duration::from_millis(200));
-        let written = {
-            let _writing = watched.expect_progress();
-            input.write_all(&vec![0; 4 << 20])
-        };
-        assert!(written.is_err() && watched.is_late());
-        assert!(!watched.wait(&|| false).unwrap().success());
-        let silent = Watched::new(program("sleep").arg("600").spawn().unwrap(), Duration::from_secs(60));
-        assert!(!silent.wait(&|| true).unwrap().success() && silent.is_ended() && !silent.is_late());
     }
 
     #[test]

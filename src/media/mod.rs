@@ -21,11 +21,15 @@ mod given;
 mod helper;
 mod info;
 pub(crate) mod input;
+#[cfg(target_arch = "wasm32")]
+mod javascript;
 pub(crate) mod names;
 mod numbers;
 mod open;
 mod options;
 mod picture;
+#[cfg(target_arch = "wasm32")]
+mod planes;
 mod reader;
 mod reason;
 mod sequence;

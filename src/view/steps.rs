@@ -159,7 +159,7 @@ impl Steps {
                 };
                 let mut written = self.each(prepared, painting, tell, keep).await?;
                 let encoding = progress.map(|progress| Part { progress, from: PAINTING, to: 1.0 });
-                let bytes = reel.encode(format, encoding.as_ref().map(|part| part as &dyn Progress))?;
+                let bytes = reel.encode(format, encoding.as_ref().map(|part| part as &dyn Progress)).await?;
                 export::save_result(path, &bytes)?;
                 written.slowed_hz = (played != timing).then_some(played.rate_hz);
                 Ok(written)

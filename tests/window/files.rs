@@ -135,6 +135,22 @@ pub(super) fn write_to(window: &mut Window, path: &Path) {
 }
 
 #[test]
+fn enter_saves_after_a_click_on_a_format() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = Window::usual();
+    window.command(Command::ExportPicture);
+    window
+        .harness
+        .get_by_label("Output path")
+        .set_text_value_accesskit(&folder.path().join("a.png").display().to_string());
+    window.settle();
+    let svg = window.harness.get_by_role_and_label(Role::Button, "SVG").rect().center();
+    window.click_at(svg);
+    window.key(Key::Enter);
+    assert!(folder.path().join("a.svg").exists(), "{:?}", window.app().message());
+}
+
+#[test]
 fn nothing_is_replaced_unasked() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("lesson.motionscope");

@@ -13,10 +13,12 @@ use web_sys::{
     MediaStream, MediaStreamConstraints, MediaStreamTrack, MediaStreamTrackState,
 };
 use web_time::Duration;
-use yuv::{YuvConversionMode, YuvPlanarImageMut, YuvRange, YuvStandardMatrix};
+use yuv::YuvStandardMatrix;
 
 use super::{CameraFeed, Cameras, Device, Format, OpenedFeed, Size, TestPicture};
 use crate::media::check_size;
+use crate::media::javascript::object;
+use crate::media::planes;
 use crate::media::reason;
 use crate::media::video::color::Matrix;
 use crate::work::{self, Boxed, Signal};
@@ -63,14 +65,6 @@ impl Cameras for Browser {
             Ok(Box::new(Feed(SendWrapper::new(shown))) as Box<dyn CameraFeed>)
         })
     }
-}
-
-/// An object of JavaScript with these values.
-fn object<const N: usize>(entries: [(&str, JsValue); N]) -> Object {
-    let object = Object::new();
-    // A plain object takes every value.
-    entries.into_iter().for_each(|(key, value)| drop(Reflect::set(&object, &key.into(), &value)));
-    object
 }
 
 /// A wish that a camera may come near to.
@@ -262,33 +256,12 @@ impl Shown {
             self.context.get_image_data(0.0, 0.0, width.into(), height.into())
         };
         let pixels = draw().map_err(|_| unread())?.data();
-        planes(&pixels, self.size).ok_or_else(unread)
+        let matrix = match Matrix::by_height(height as usize) {
+            Matrix::Bt709 => YuvStandardMatrix::Bt709,
+            _ => YuvStandardMatrix::Bt601,
+        };
+        planes::yuv420(&pixels, self.size, matrix).ok_or_else(unread)
     }
-}
-
-/// Luma and chroma of pixels in RGBA, as standard or high definition has them.
-fn planes(rgba: &[u8], (width, height): (u32, u32)) -> Option<Vec<u8>> {
-    let (luma, chroma) = ((width * height) as usize, (width.div_ceil(2) * height.div_ceil(2)) as usize);
-    let mut samples = vec![0; luma + 2 * chroma];
-    let (y, rest) = samples.split_at_mut(luma);
-    let (u, v) = rest.split_at_mut(chroma);
-    let mut image = YuvPlanarImageMut {
-        y_plane: yuv::BufferStoreMut::Borrowed(y),
-        y_stride: width,
-        u_plane: yuv::BufferStoreMut::Borrowed(u),
-        u_stride: width.div_ceil(2),
-        v_plane: yuv::BufferStoreMut::Borrowed(v),
-        v_stride: width.div_ceil(2),
-        width,
-        height,
-    };
-    let matrix = match Matrix::by_height(height as usize) {
-        Matrix::Bt709 => YuvStandardMatrix::Bt709,
-        _ => YuvStandardMatrix::Bt601,
-    };
-    let (range, mode) = (YuvRange::Limited, YuvConversionMode::Balanced);
-    yuv::rgba_to_yuv420(&mut image, rgba, 4 * width, range, matrix, mode).ok()?;
-    Some(samples)
 }
 
 /// The frames of a camera. A page has one thread.

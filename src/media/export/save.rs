@@ -22,20 +22,21 @@ const DISK_IS_FULL: &str = if IN_PAGE {
 ///
 /// # Errors
 /// If it cannot be read, and as [`save`].
-pub fn copy(from: &Path, to: &Path) -> Result<(), Error> {
+pub async fn copy(from: &Path, to: &Path) -> Result<(), Error> {
     let unread = |error: io::Error| Error::new(format!("{} cannot be read ({error})", from.display()));
     let mut source = files::File::open(from).map_err(unread)?;
-    save_file(to, |file| files::write_from(file, &mut source).map_err(|error| cannot_write(to, &error)))
+    let write = async |file: &Path| files::write_from(file, &mut source).map_err(|error| cannot_write(to, &error));
+    save_file(to, write).await
 }
 
 /// Saves the file that `make` writes under the name that it is given, atomically and without a copy of it in memory.
 ///
 /// # Errors
 /// As [`save`], and those of `make`.
-pub(super) fn save_file(path: &Path, make: impl FnOnce(&Path) -> Result<(), Error>) -> Result<(), Error> {
+pub(super) async fn save_file(path: &Path, make: impl AsyncFnOnce(&Path) -> Result<(), Error>) -> Result<(), Error> {
     let cannot = |error: io::Error| cannot_write(path, &error);
     let unfinished = files::Unfinished::new(path).map_err(cannot)?;
-    make(unfinished.path())?;
+    make(unfinished.path()).await?;
     unfinished.settle().map_err(cannot)
 }
 
@@ -122,6 +123,7 @@ mod tests {
     use std::fs;
 
     use super::*;
+    use crate::work;
 
     #[test]
     fn a_file_is_replaced_whole_and_nothing_else_is_left() {
@@ -174,26 +176,26 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (path, count) = (folder.path().join("a.mp4"), || fs::read_dir(folder.path()).unwrap().count());
         fs::write(&path, "old").unwrap();
-        let cancelled = save_file(&path, |file| {
+        let cancelled = async |file: &Path| {
             fs::write(file, "half").unwrap();
             Err(Error::new("it was cancelled"))
-        });
-        assert!(cancelled.is_err());
+        };
+        assert!(work::finish(save_file(&path, cancelled)).is_err());
         assert_eq!((fs::read(&path).unwrap(), count()), (b"old".to_vec(), 1));
-        let whole = |file: &Path| {
+        let whole = async |file: &Path| {
             // On the same drive, and removed at the next start if this run is killed now.
             assert!(temporary::is_temporary(file) && file.starts_with(fs::canonicalize(folder.path()).unwrap()));
             assert_eq!((fs::read(&path).unwrap(), count()), (b"old".to_vec(), 2));
             fs::write(file, "new").map_err(|error| cannot_write(file, &error))
         };
-        save_file(&path, whole).unwrap();
+        work::finish(save_file(&path, whole)).unwrap();
         assert_eq!((fs::read(&path).unwrap(), count()), (b"new".to_vec(), 1));
         let other = folder.path().join("b.mp4");
-        copy(&path, &other).unwrap();
+        work::finish(copy(&path, &other)).unwrap();
         assert_eq!((fs::read(&other).unwrap(), count()), (b"new".to_vec(), 2));
-        let gone = copy(&folder.path().join("gone.mp4"), &other).unwrap_err().to_string();
+        let gone = work::finish(copy(&folder.path().join("gone.mp4"), &other)).unwrap_err().to_string();
         assert!(gone.contains("gone.mp4 cannot be read"), "{gone}");
-        let nowhere = copy(&path, &folder.path().join("no/c.mp4")).unwrap_err().to_string();
+        let nowhere = work::finish(copy(&path, &folder.path().join("no/c.mp4"))).unwrap_err().to_string();
         assert!(nowhere.contains("there is no folder"), "{nowhere}");
     }
 

@@ -78,7 +78,7 @@ pub(crate) fn open(path: &Path, format: Format, mut input: Input, options: &Open
 }
 
 /// The video track in `input`.
-fn track(format: Format, input: &mut Input, options: &Open) -> Result<Track, Error> {
+pub(super) fn track(format: Format, input: &mut Input, options: &Open) -> Result<Track, Error> {
     match format {
         Format::Mp4 => mp4::open(input, options),
         Format::Matroska => matroska::open(input, options),

@@ -122,7 +122,7 @@ impl App {
             }
             OutputKind::Clip(format) => {
                 self.recorder.saving = Saving::of(&shown.subject, &order.path, format);
-                Box::new(move |order, progress| Box::pin(async move { writer::clip(order, &shown, progress) }))
+                Box::new(move |order, progress| Box::pin(async move { writer::clip(order, &shown, progress).await }))
             }
             OutputKind::Handout(_) => {
                 let Some(lesson) = self.course.lesson.as_ref().map(|open| open.lesson().clone()) else { return };

@@ -120,12 +120,12 @@ impl PathField {
     /// Shows the field, `width` wide; gives whether Enter was pressed in it.
     pub fn show(&mut self, ui: &mut Ui, name: &str, width: f32) -> bool {
         let id = Id::unique(("path", name));
-        self.is_focused |= ui.memory(|memory| memory.has_focus(id));
-        if !self.is_focused {
+        let had_focus = ui.memory(|memory| memory.has_focus(id));
+        if !self.is_focused && !had_focus {
             widgets::catch_text(ui.ctx(), id, &mut self.text);
         }
         // A page has no folders in which paths could be looked up.
-        let completes = !files::IN_PAGE && ui.memory(|memory| memory.has_focus(id)) && !self.text.is_empty();
+        let completes = !files::IN_PAGE && had_focus && !self.text.is_empty();
         if completes {
             self.take_tab(ui, id);
         }
@@ -139,9 +139,10 @@ impl PathField {
         // Tab is the field's own while there is something to complete.
         let response = ui.add(field.lock_focus(completes)).accessible_name(name);
         if !self.is_focused {
-            // Behind the field: in its dialog's first pass that cannot have it yet.
+            // Behind the field: in its dialog's first pass that cannot have it yet, and a click elsewhere takes it.
             response.request_focus();
         }
+        self.is_focused |= had_focus;
         if self.text != self.completion.offered {
             self.completion.listed.clear();
         }

@@ -12,7 +12,7 @@ use super::path::PathField;
 use crate::experiment::Prepared;
 use crate::experiment::source::Source;
 use crate::files::{self, IN_PAGE, download};
-use crate::media::export::{AnimationFormat, Inputs, Timing};
+use crate::media::export::{AnimationFormat, Inputs, Timing, VIDEO};
 use crate::media::names;
 use crate::paint::{Freehand, Theme, grouped};
 use crate::results::{self, Export};
@@ -76,11 +76,6 @@ impl Kind {
 
     /// What can be chosen, of a run on `subject`; at least one.
     fn choices(self, subject: &Prepared) -> Vec<Choice> {
-        // A page has no ffmpeg to encode video with.
-        self.all_choices(subject).into_iter().filter(|choice| !IN_PAGE || choice.ending != MP4).collect()
-    }
-
-    fn all_choices(self, subject: &Prepared) -> Vec<Choice> {
         let kinds: &[&ProductKind] = subject.experiment.estimator.produces();
         let choice = |ending, doc| Choice { label: label(ending), ending, doc, export: None, animation: None };
         let pictures = [
@@ -102,7 +97,7 @@ impl Kind {
                 let is_copied =
                     subject.clip.info().container == Y4M && matches!(subject.experiment.source, Source::File(_));
                 let copied = is_copied.then(|| choice(Y4M, "Uncompressed video in one file, the frames as they came"));
-                let video = choice(MP4, "Compressed video, with loss; encoded by the ffmpeg of this computer");
+                let video = choice(MP4, VIDEO);
                 copied.into_iter().chain([numbered, video]).collect()
             }
             Kind::Handout | Kind::Worksheet => vec![choice("pdf", "PDF, sheets of paper in A4")],

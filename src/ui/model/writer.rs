@@ -111,15 +111,15 @@ pub async fn steps(
 ///
 /// # Errors
 /// If a frame cannot be read, a file cannot be written, or the work was cancelled.
-pub fn clip(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> Result<String, Error> {
+pub async fn clip(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> Result<String, Error> {
     let Prepared { clip, experiment, .. } = &*shown.subject;
     let path = &*order.path;
     if clip.is_blank() {
         return Err(Error::new(format!("{} has detections but no frames", clip.info().name)));
     }
     match (order.what, &experiment.source) {
-        (OutputKind::Clip(ClipFormat::Copy), Source::File(from)) => export::copy(from, path)?,
-        (OutputKind::Clip(ClipFormat::Video), _) => export::video(clip, path, Some(progress))?,
+        (OutputKind::Clip(ClipFormat::Copy), Source::File(from)) => export::copy(from, path).await?,
+        (OutputKind::Clip(ClipFormat::Video), _) => export::video(clip, path, Some(progress)).await?,
         _ => export::clip(clip, path, Some(progress))?,
     }
     let padded = match order.what {

@@ -3,13 +3,13 @@
 use motionscope_core::base::Error;
 use png::{BlendOp, ColorType, Compression, DisposeOp, Encoder, EncodingError, SrgbRenderingIntent};
 
-use super::{AnimationFormat, Area, Progress, Reel, failed};
+use super::{AnimationFormat, Area, Progress, Reel, Shots, failed};
 
 /// Encodes `reel` as an animated PNG.
 ///
 /// # Errors
 /// If a picture cannot be encoded or the work was cancelled.
-pub fn encode(reel: &Reel, progress: Option<&dyn Progress>) -> Result<Vec<u8>, Error> {
+pub async fn encode(reel: &Reel, progress: Option<&dyn Progress>) -> Result<Vec<u8>, Error> {
     let why = |error: EncodingError| failed(AnimationFormat::Apng, &error);
     let [width, height] = reel.size;
     let mut bytes = Vec::new();
@@ -23,7 +23,8 @@ pub fn encode(reel: &Reel, progress: Option<&dyn Progress>) -> Result<Vec<u8>, E
     encoder.add_text_chunk("Software".into(), "Motionscope".into()).map_err(why)?;
     let mut writer = encoder.write_header().map_err(why)?;
     let mut before: Option<Vec<u8>> = None;
-    reel.each(AnimationFormat::Apng, progress, |_, shot| {
+    let mut shots = Shots::new(reel, AnimationFormat::Apng, progress);
+    while let Some(shot) = shots.next().await? {
         let delay_ms = u16::try_from(shot.ticks(1000.0)).unwrap_or(u16::MAX);
         let now = shot.picture.into_raw();
         let area = before.as_ref().map_or(Area::whole(reel.size), |before| Area::of_changes([before, &now], width, 3));
@@ -36,8 +37,7 @@ pub fn encode(reel: &Reel, progress: Option<&dyn Progress>) -> Result<Vec<u8>, E
         writer.set_frame_delay(delay_ms, 1000).map_err(why)?;
         writer.write_image_data(&area.cut(&now, width, 3)).map_err(why)?;
         before = Some(now);
-        Ok(())
-    })?;
+    }
     writer.finish().map_err(why)?;
     Ok(bytes)
 }

@@ -1,4 +1,4 @@
-//! Animations of pictures: GIF, animated PNG and WebP; MP4 by the user's own ffmpeg.
+//! Animations of pictures: GIF, animated PNG and WebP, and MP4.
 
 mod apng;
 mod gif;
@@ -13,7 +13,9 @@ use image::{ImageFormat, Rgb, RgbImage};
 use motionscope_core::base::Error;
 
 use crate::media::Progress;
+use crate::media::export::h264;
 use crate::media::numbers::{single, whole};
+use crate::work;
 
 /// The time for which the last picture stays before an animation begins anew, in seconds.
 const LAST_S: f64 = 2.0;
@@ -29,7 +31,7 @@ pub enum AnimationFormat {
     Apng,
     /// Animated WebP, without loss.
     WebP,
-    /// H.264 video, encoded by the user's ffmpeg.
+    /// H.264 video, encoded by the user's ffmpeg, or the browser in a page.
     Mp4,
 }
 
@@ -76,7 +78,7 @@ impl AnimationFormat {
             Self::Gif => "GIF, 256 colours, plays everywhere",
             Self::Apng => "Animated PNG, exact colours, plays in browsers",
             Self::WebP => "Animated WebP, exact colours, smaller than PNG",
-            Self::Mp4 => "MP4 video, encoded by the ffmpeg of this computer",
+            Self::Mp4 => h264::DOC,
         }
     }
 }
@@ -172,59 +174,21 @@ impl Reel {
     ///
     /// # Errors
     /// If there is no picture, it is too large for the format, ffmpeg is needed and missing, or the work was cancelled.
-    pub fn encode(&self, format: AnimationFormat, progress: Option<&dyn Progress>) -> Result<Vec<u8>, Error> {
+    pub async fn encode(&self, format: AnimationFormat, progress: Option<&dyn Progress>) -> Result<Vec<u8>, Error> {
         if self.steps.is_empty() {
             return Err(Error::new("there is no step to animate"));
         }
         match format {
-            AnimationFormat::Gif => gif::encode(self, progress),
-            AnimationFormat::Apng => apng::encode(self, progress),
-            AnimationFormat::WebP => webp::encode(self, progress),
-            AnimationFormat::Mp4 => mp4::encode(self, progress),
+            AnimationFormat::Gif => gif::encode(self, progress).await,
+            AnimationFormat::Apng => apng::encode(self, progress).await,
+            AnimationFormat::WebP => webp::encode(self, progress).await,
+            AnimationFormat::Mp4 => mp4::encode(self, progress).await,
         }
     }
 
     /// Returns the number of pictures.
     fn shots(&self) -> usize {
         (self.steps.len() - 1) * (1 + self.timing.between as usize) + 1
-    }
-
-    /// Hands all pictures over in order, after their index, with their times in a file of this `format`.
-    fn each(
-        &self,
-        format: AnimationFormat,
-        progress: Option<&dyn Progress>,
-        mut take: impl FnMut(usize, Shot) -> Result<(), Error>,
-    ) -> Result<(), Error> {
-        let [step_s, between_s] = self.timing.times_s(format.least_s());
-        let (count, mut index) = (self.shots(), 0);
-        let mut give = |picture: RgbImage, from_s: f64, for_s: f64| {
-            let shot = Shot { picture, from_s, until_s: from_s + for_s };
-            if progress.is_some_and(|progress| progress.cancelled()) {
-                return Err(Error::new("saving was cancelled"));
-            }
-            take(index, shot)?;
-            index += 1;
-            if let Some(progress) = progress {
-                progress.report(index as f32 / count as f32);
-            }
-            Ok(())
-        };
-        let mut next = self.picture(0)?;
-        for step in 0..self.steps.len() {
-            let now = next;
-            let from_s = step as f64 / self.timing.rate();
-            if step + 1 == self.steps.len() {
-                return give(now, from_s, step_s.max(LAST_S));
-            }
-            next = self.picture(step + 1)?;
-            let between: Vec<_> = (1..=self.timing.between).map(|i| blend([&now, &next], self.weight(i))).collect();
-            give(now, from_s, step_s)?;
-            for (i, picture) in between.into_iter().enumerate() {
-                give(picture, from_s + step_s + i as f64 * between_s, between_s)?;
-            }
-        }
-        Ok(())
     }
 
     /// Returns the weight of the next step in the picture `i`, from 1, of those that lead to it: slow, fast, slow.
@@ -244,6 +208,75 @@ impl Reel {
         let mut whole = RgbImage::from_pixel(width, height, self.background);
         image::imageops::replace(&mut whole, &picture, 0, 0);
         Ok(whole)
+    }
+}
+
+/// Goes through the pictures of an animation in order.
+struct Shots<'a> {
+    reel: &'a Reel,
+    progress: Option<&'a dyn Progress>,
+    /// The time of the picture of a step, and of one between two steps.
+    times_s: [f64; 2],
+    /// How many pictures were given.
+    given: usize,
+    /// The step of the last picture, and the one after it.
+    pair: [RgbImage; 2],
+}
+
+impl<'a> Shots<'a> {
+    /// The pictures of `reel` with their times in a file of this `format`.
+    fn new(reel: &'a Reel, format: AnimationFormat, progress: Option<&'a dyn Progress>) -> Self {
+        let times_s = reel.timing.times_s(format.least_s());
+        Self { reel, progress, times_s, given: 0, pair: Default::default() }
+    }
+
+    /// Returns the next picture, or none behind the last one.
+    ///
+    /// # Errors
+    /// If a step cannot be read back or the work was cancelled.
+    async fn next(&mut self) -> Result<Option<Shot>, Error> {
+        let count = self.reel.shots();
+        if let Some(progress) = self.progress.filter(|_| self.given > 0) {
+            progress.report(self.given as f32 / count as f32);
+        }
+        if self.given == count {
+            return Ok(None);
+        }
+        if self.progress.is_some_and(|progress| progress.cancelled()) {
+            return Err(Error::new("saving was cancelled"));
+        }
+        work::breathe().await;
+        let ([step_s, between_s], of_step) = (self.times_s, 1 + self.reel.timing.between as usize);
+        let (step, part) = (self.given / of_step, self.given % of_step);
+        if part == 0 {
+            self.turn_to(step)?;
+        }
+        let picture = match u32::try_from(part) {
+            Ok(part @ 1..) => blend([&self.pair[0], &self.pair[1]], self.reel.weight(part)),
+            _ => self.pair[0].clone(),
+        };
+        self.given += 1;
+        let begin_s = step as f64 / self.reel.timing.rate();
+        let (from_s, for_s) = match part {
+            0 if self.given == count => (begin_s, step_s.max(LAST_S)),
+            0 => (begin_s, step_s),
+            _ => (begin_s + step_s + (part - 1) as f64 * between_s, between_s),
+        };
+        Ok(Some(Shot { picture, from_s, until_s: from_s + for_s }))
+    }
+
+    /// Reads the pictures of `step` and of the one after it, if there are any between them.
+    fn turn_to(&mut self, step: usize) -> Result<(), Error> {
+        let Self { reel, pair: [now, next], .. } = self;
+        if step == 0 || reel.timing.between == 0 {
+            *now = reel.picture(step)?;
+        } else {
+            std::mem::swap(now, next);
+        }
+        if reel.timing.between > 0 && step + 1 < reel.steps.len() {
+            *next = reel.picture(step + 1)?;
+        }
+        Ok(())
     }
 }
 

@@ -2,8 +2,8 @@
 
 use motionscope_core::base::Error;
 
-use super::{AnimationFormat, Progress, Reel, Timing};
-use crate::media::export::h264::Video;
+use super::{AnimationFormat, Progress, Reel, Shots, Timing};
+use crate::media::export::h264::{Pipe, Video};
 
 /// Players handle videos of fewer frames per second badly.
 const LEAST_HZ: f64 = 10.0;
@@ -13,15 +13,21 @@ const SMOOTH_HZ: f64 = 50.0;
 /// Encodes `reel` as H.264 in an MP4 file.
 ///
 /// # Errors
-/// If there is no ffmpeg, it cannot encode H.264, or the work was cancelled.
-pub fn encode(reel: &Reel, progress: Option<&dyn Progress>) -> Result<Vec<u8>, Error> {
+/// If there is no ffmpeg, it or the browser cannot encode H.264, or the work was cancelled.
+pub async fn encode(reel: &Reel, progress: Option<&dyn Progress>) -> Result<Vec<u8>, Error> {
     let (size, rate_hz) = (reel.size.map(|side| side as usize), video_rate(reel.timing));
     let video = Video { what: "animation", instead: "save as .gif, .apng or .webp", size, rate_hz, crf: 16 };
-    video.encode(progress, |pipe| {
-        reel.each(AnimationFormat::Mp4, progress, |_, shot| {
-            (0..shot.ticks(rate_hz)).try_for_each(|_| pipe.put(shot.picture.as_raw()))
+    video
+        .encode(progress, async |pipe: &mut Pipe<'_>| {
+            let mut shots = Shots::new(reel, AnimationFormat::Mp4, progress);
+            while let Some(shot) = shots.next().await? {
+                for _ in 0..shot.ticks(rate_hz) {
+                    pipe.put(shot.picture.as_raw()).await?;
+                }
+            }
+            Ok(())
         })
-    })
+        .await
 }
 
 /// Frames per second of the video.

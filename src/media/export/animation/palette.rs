@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use color_quant::NeuQuant;
 use motionscope_core::base::Error;
 
-use super::{AnimationFormat, Progress, Reel};
+use super::{AnimationFormat, Progress, Reel, Shots};
 
 /// The index of pixels that do not change.
 pub const UNCHANGED: u8 = u8::MAX;
@@ -34,17 +34,17 @@ impl Palette {
     ///
     /// # Errors
     /// If a picture cannot be read back or the work was cancelled.
-    pub fn of(reel: &Reel, progress: Option<&dyn Progress>) -> Result<Self, Error> {
+    pub async fn of(reel: &Reel, progress: Option<&dyn Progress>) -> Result<Self, Error> {
         let pixels = reel.shots() as u64 * u64::from(reel.size[0]) * u64::from(reel.size[1]);
         // Odd, so that columns are not counted again and again.
         let every = usize::try_from(pixels / COUNTED).unwrap_or(usize::MAX) | 1;
         let mut counts: HashMap<[u8; 3], u32> = HashMap::new();
-        reel.each(AnimationFormat::Gif, progress, |_, shot| {
+        let mut shots = Shots::new(reel, AnimationFormat::Gif, progress);
+        while let Some(shot) = shots.next().await? {
             for pixel in shot.picture.pixels().step_by(every) {
                 *counts.entry(pixel.0).or_default() += 1;
             }
-            Ok(())
-        })?;
+        }
         // The order of a hash map differs from run to run.
         let mut counts: Vec<_> = counts.into_iter().collect();
         counts.sort_by_key(|&(color, count)| (std::cmp::Reverse(count), color));

@@ -5,6 +5,7 @@ use image::{AnimationDecoder, Frame, Rgb, RgbImage};
 
 use super::*;
 use crate::media::export::{Pixels, png};
+use crate::work;
 
 const RED: Rgb<u8> = Rgb([200, 30, 20]);
 const SKY: Rgb<u8> = Rgb([120, 180, 240]);
@@ -45,7 +46,7 @@ const OWN: [AnimationFormat; 3] = [AnimationFormat::Gif, AnimationFormat::Apng, 
 fn decoders_find_the_pictures_and_their_times() {
     let (reel, wanted) = moving(0);
     for format in OWN {
-        let frames = decoded(format, &reel.encode(format, None).expect("it is encoded"));
+        let frames = decoded(format, &work::finish(reel.encode(format, None)).expect("it is encoded"));
         assert_eq!(frames.len(), wanted.len(), "{format:?}");
         for (i, (frame, wanted)) in frames.iter().zip(&wanted).enumerate() {
             let seen = image::DynamicImage::ImageRgba8(frame.buffer().clone()).into_rgb8();
@@ -64,7 +65,7 @@ fn rounding_errors_of_times_do_not_add_up() {
             reel.push(png(4, 4, Pixels::Gray(&[8 * level; 16])).expect("a picture")).expect("a PNG file");
         }
         for format in OWN {
-            let frames = decoded(format, &reel.encode(format, None).expect("it is encoded"));
+            let frames = decoded(format, &work::finish(reel.encode(format, None)).expect("it is encoded"));
             let ms = |frame: &image::Frame| {
                 f64::from(frame.delay().numer_denom_ms().0) / f64::from(frame.delay().numer_denom_ms().1)
             };
@@ -83,7 +84,10 @@ fn a_gif_plays_at_the_rate_that_is_told() {
         for level in 0..31_u8 {
             reel.push(png(4, 4, Pixels::Gray(&[8 * level; 16])).expect("a picture")).expect("a PNG file");
         }
-        let frames = decoded(AnimationFormat::Gif, &reel.encode(AnimationFormat::Gif, None).expect("it is encoded"));
+        let frames = decoded(
+            AnimationFormat::Gif,
+            &work::finish(reel.encode(AnimationFormat::Gif, None)).expect("it is encoded"),
+        );
         let ms: Vec<u32> = frames.iter().map(|frame| frame.delay().numer_denom_ms()).map(|(n, d)| n / d).collect();
         assert!(ms.iter().all(|ms| *ms >= 20), "viewers play no faster: {ms:?}");
         let all: u32 = ms[..30 * (1 + between as usize)].iter().sum();
@@ -98,7 +102,8 @@ fn a_gif_plays_at_the_rate_that_is_told() {
 #[test]
 fn pictures_in_between_lead_to_the_next() {
     let (reel, wanted) = moving(3);
-    let frames = decoded(AnimationFormat::Apng, &reel.encode(AnimationFormat::Apng, None).expect("it is encoded"));
+    let frames =
+        decoded(AnimationFormat::Apng, &work::finish(reel.encode(AnimationFormat::Apng, None)).expect("it is encoded"));
     assert_eq!(frames.len(), 13);
     let delays: Vec<u32> = frames.iter().map(|frame| frame.delay().numer_denom_ms()).map(|(n, d)| n / d).collect();
     assert_eq!(delays[..5], [50, 17, 16, 17, 50], "a step takes 0.1 s with its way to the next");
@@ -120,12 +125,17 @@ fn of_many_colours_those_of_marks_stay_exact() {
     for _ in 0..2 {
         reel.push(png(120, 100, Pixels::Rgb(picture.as_raw())).expect("a picture")).expect("a PNG file");
     }
-    let frames = decoded(AnimationFormat::Gif, &reel.encode(AnimationFormat::Gif, None).expect("it is encoded"));
+    let frames =
+        decoded(AnimationFormat::Gif, &work::finish(reel.encode(AnimationFormat::Gif, None)).expect("it is encoded"));
     let seen = image::DynamicImage::ImageRgba8(frames[1].buffer().clone()).into_rgb8();
     assert!((0..120).all(|x| *seen.get_pixel(x, 51) == RED));
     let worst = picture.iter().zip(seen.iter()).map(|(a, b)| a.abs_diff(*b)).max();
     assert!(worst < Some(24), "{worst:?} of 255");
-    assert_eq!(reel.encode(AnimationFormat::Gif, None), reel.encode(AnimationFormat::Gif, None), "the same bytes");
+    assert_eq!(
+        work::finish(reel.encode(AnimationFormat::Gif, None)),
+        work::finish(reel.encode(AnimationFormat::Gif, None)),
+        "the same bytes"
+    );
 }
 
 #[test]
@@ -141,7 +151,8 @@ fn changes_are_bounded_tightly() {
 
 #[test]
 fn what_cannot_be_animated_is_said() {
-    let none = Reel::new(Timing::default(), [0; 3]).encode(AnimationFormat::Gif, None).expect_err("no step");
+    let none =
+        work::finish(Reel::new(Timing::default(), [0; 3]).encode(AnimationFormat::Gif, None)).expect_err("no step");
     assert_eq!(none.to_string(), "there is no step to animate");
     let named = AnimationFormat::of(Path::new("steps.avi")).expect_err("no such format").to_string();
     assert!(named.contains(".gif, .apng, .webp or .mp4"), "{named}");
@@ -155,14 +166,14 @@ fn what_cannot_be_animated_is_said() {
     }
     for format in OWN {
         assert_eq!(
-            moving(0).0.encode(format, Some(&Cancelled)).expect_err("cancelled").to_string(),
+            work::finish(moving(0).0.encode(format, Some(&Cancelled))).expect_err("cancelled").to_string(),
             "saving was cancelled"
         );
     }
     let wide = |format, side| {
         let mut reel = Reel::new(Timing::default(), [0; 3]);
         reel.push(png(side, 1, Pixels::Gray(&vec![0; side])).expect("a line")).expect("a PNG file");
-        reel.encode(format, None).expect_err("too wide").to_string()
+        work::finish(reel.encode(format, None)).expect_err("too wide").to_string()
     };
     assert!(wide(AnimationFormat::Gif, 70_000).contains("65\u{2009}535"));
     assert!(wide(AnimationFormat::WebP, 17_000).contains("16\u{2009}384"));

@@ -4,7 +4,7 @@ use image::codecs::webp::WebPEncoder;
 use image::{ExtendedColorType, ImageEncoder as _};
 use motionscope_core::base::Error;
 
-use super::{AnimationFormat, Area, Progress, Reel, failed};
+use super::{AnimationFormat, Area, Progress, Reel, Shots, failed};
 
 /// The largest side of a picture in px.
 const MOST_SIDE: u32 = 1 << 14;
@@ -19,7 +19,7 @@ const HEADER: usize = 12;
 ///
 /// # Errors
 /// If a side is larger than the format allows or the work was cancelled.
-pub fn encode(reel: &Reel, progress: Option<&dyn Progress>) -> Result<Vec<u8>, Error> {
+pub async fn encode(reel: &Reel, progress: Option<&dyn Progress>) -> Result<Vec<u8>, Error> {
     let [width, height] = reel.size;
     if width.max(height) > MOST_SIDE {
         return Err(failed(AnimationFormat::WebP, &"it has at most 16\u{2009}384 px a side; choose a smaller scale"));
@@ -30,7 +30,8 @@ pub fn encode(reel: &Reel, progress: Option<&dyn Progress>) -> Result<Vec<u8>, E
     // A transparent background, and no end of repetitions.
     chunk(&mut chunks, b"ANIM", &[0; 6]);
     let mut before: Option<Vec<u8>> = None;
-    reel.each(AnimationFormat::WebP, progress, |_, shot| {
+    let mut shots = Shots::new(reel, AnimationFormat::WebP, progress);
+    while let Some(shot) = shots.next().await? {
         let ms = shot.ticks(1000.0);
         let now = shot.picture.into_raw();
         let area =
@@ -39,8 +40,7 @@ pub fn encode(reel: &Reel, progress: Option<&dyn Progress>) -> Result<Vec<u8>, E
         let place = [area.x / 2, area.y / 2, area.width - 1, area.height - 1, ms].map(u24).concat();
         chunk(&mut chunks, b"ANMF", &[&place, [REPLACES].as_slice(), &still[HEADER..]].concat());
         before = Some(now);
-        Ok(())
-    })?;
+    }
     let mut bytes = Vec::new();
     chunk(&mut bytes, b"RIFF", &[b"WEBP", chunks.as_slice()].concat());
     Ok(bytes)

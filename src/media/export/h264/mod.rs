@@ -1,34 +1,46 @@
-//! H.264 video in an MP4 file, by the user's own ffmpeg, which reads the pictures from a pipe.
+//! H.264 video in an MP4 file: by the user's own ffmpeg, or by the browser in a page.
 
-use std::io::{self, Write as _};
+#[cfg(target_arch = "wasm32")]
+mod browser;
+#[cfg(not(target_arch = "wasm32"))]
+mod ffmpeg;
+#[cfg(any(test, target_arch = "wasm32"))]
+mod level;
+#[cfg(any(test, target_arch = "wasm32"))]
+mod mux;
+#[cfg(not(target_arch = "wasm32"))]
+mod watched;
+
 use std::path::Path;
-use std::process::{ChildStdin, Stdio};
-use std::sync::mpsc::channel;
-use std::thread;
-use std::time::Duration;
 
 use motionscope_core::base::Error;
 use motionscope_core::data::{Clip, Frame};
 
+#[cfg(target_arch = "wasm32")]
+pub(super) use self::browser::Pipe;
+#[cfg(not(target_arch = "wasm32"))]
+pub(super) use self::ffmpeg::Pipe;
 use super::save::save_file;
-use crate::files::{self, temporary};
+use crate::files::IN_PAGE;
 use crate::media::Progress;
-use crate::media::helper::{Watched, program, read_messages};
+use crate::media::numbers::whole;
+use crate::work;
+
+/// What such a video is good for, and what encodes it.
+pub const DOC: &str = if IN_PAGE {
+    "MP4, compressed video with loss; encoded by this browser"
+} else {
+    "MP4, compressed video with loss; encoded by the ffmpeg of this computer"
+};
 
 /// Frames per second of a clip whose rate is not known.
 const USUAL_HZ: f64 = 25.0;
-
-/// The longest that ffmpeg may take for a picture, or to finish the file behind the last one.
-const PATIENCE: Duration = Duration::from_secs(300);
-
-/// How long its messages are waited for once it has ended.
-const ENDING: Duration = Duration::from_secs(1);
 
 /// A video that is to be encoded.
 pub(super) struct Video {
     /// What it is called in errors: `animation`.
     pub what: &'static str,
-    /// What can be done without ffmpeg: `save as .gif`.
+    /// What can be done where nothing encodes it: `save as .gif`.
     pub instead: &'static str,
     /// Width and height in px.
     pub size: [usize; 2],
@@ -38,137 +50,32 @@ pub(super) struct Video {
     pub crf: u32,
 }
 
-/// The input of ffmpeg.
-pub(super) struct Pipe<'a> {
-    video: &'a Video,
-    input: ChildStdin,
-    watched: &'a Watched,
-}
-
-impl Pipe<'_> {
-    /// Appends a picture: rows of RGB.
-    ///
-    /// # Errors
-    /// If ffmpeg has ended.
-    pub fn put(&mut self, rgb: &[u8]) -> Result<(), Error> {
-        let _writing = self.watched.expect_progress();
-        self.input.write_all(rgb).map_err(|error| self.video.failed(&error))
-    }
-}
-
 impl Video {
-    /// Encodes the pictures that `pour` puts into the pipe; for a short video, which is whole in memory.
-    ///
-    /// # Errors
-    /// As [`Video::write`].
-    pub fn encode(
-        &self,
-        progress: Option<&dyn Progress>,
-        pour: impl FnOnce(&mut Pipe<'_>) -> Result<(), Error>,
-    ) -> Result<Vec<u8>, Error> {
-        let folder = temporary::folder(&temporary::place()).map_err(|error| self.failed(&error))?;
-        let file = folder.path().join("video");
-        self.write(&file, progress, pour)?;
-        files::read(&file).map_err(|error| self.failed(&error))
-    }
-
-    /// Encodes the pictures that `pour` puts into the pipe as the new file `file`, whatever its extension.
-    ///
-    /// # Errors
-    /// If there is no ffmpeg, it cannot encode H.264, or `pour` failed or was cancelled.
-    pub fn write(
-        &self,
-        file: &Path,
-        progress: Option<&dyn Progress>,
-        pour: impl FnOnce(&mut Pipe<'_>) -> Result<(), Error>,
-    ) -> Result<(), Error> {
-        // The table of an MP4 file is written last and moved to its front: that needs a file, not a pipe.
-        let ([width, height], rate) = (self.size, ratio(self.rate_hz));
-        let mut child = program("ffmpeg")
-            .args(["-hide_banner", "-loglevel", "error", "-nostdin", "-f", "rawvideo", "-pix_fmt", "rgb24"])
-            .args(["-video_size", &format!("{width}x{height}"), "-framerate", &rate, "-i", "pipe:0"])
-            // The chroma of 4:2:0 needs even sides; the matrix is that of high definition, and says so.
-            .args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709", "-colorspace", "bt709"])
-            .args(["-c:v", "libx264", "-crf", &self.crf.to_string(), "-pix_fmt", "yuv420p", "-movflags", "+faststart"])
-            .args(["-f", "mp4"])
-            .arg(file)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::null())
-            .stderr(Stdio::piped())
-            .spawn()
-            .map_err(|error| self.absent(&error))?;
-        let (errors, input) = (child.stderr.take(), child.stdin.take());
-        let (sender, said) = channel();
-        thread::spawn(move || {
-            let mut text = String::new();
-            errors.into_iter().for_each(|errors| read_messages(errors, |piece| text.push_str(piece)));
-            // Nobody waits for it any more where another process keeps the pipe open.
-            sender.send(text).unwrap_or_default();
-        });
-        let watched = Watched::new(child, PATIENCE);
-        // The pipe is closed behind the last picture.
-        let poured = match input {
-            Some(input) => pour(&mut Pipe { video: self, input, watched: &watched }),
-            None => Err(self.failed(&"ffmpeg has no input")),
-        };
-        if poured.is_err() {
-            // It may be at work still; what it made is thrown away.
-            watched.end();
-        }
-        let status =
-            watched.wait(&|| progress.is_some_and(Progress::cancelled)).map_err(|error| self.failed(&error))?;
-        let said = said.recv_timeout(ENDING).unwrap_or_default();
-        // The name of an unfinished file means nothing to anybody.
-        let said = said.replace(&file.display().to_string(), "the file");
-        if watched.is_late() {
-            let why = format!("ffmpeg took nothing for {} s; {} instead", PATIENCE.as_secs(), self.instead);
-            return Err(self.failed(&why));
-        }
-        let line = said.lines().map(str::trim).find(|line| !line.is_empty());
-        let is_cancelled = progress.is_some_and(Progress::cancelled);
-        match (poured, line) {
-            // That says more than the pipe that broke.
-            (_, Some(line)) if !status.success() && !is_cancelled => {
-                Err(self.failed(&format!("ffmpeg says {line}; {} instead", self.instead)))
-            }
-            (Err(error), _) => Err(error),
-            (Ok(()), _) if !status.success() => Err(self.failed(&format!("ffmpeg failed; {} instead", self.instead))),
-            (Ok(()), _) => Ok(()),
-        }
-    }
-
     /// Says that it could not be made, and why.
     fn failed(&self, why: &dyn std::fmt::Display) -> Error {
         Error::new(format!("the MP4 {} could not be made: {why}", self.what))
     }
-
-    /// Says what to do without ffmpeg.
-    fn absent(&self, error: &io::Error) -> Error {
-        match error.kind() {
-            io::ErrorKind::NotFound => self.failed(&format!("it needs ffmpeg; install it, or {}", self.instead)),
-            _ => self.failed(error),
-        }
-    }
 }
 
 /// A rate in frames per second as a fraction: whole rates, those of NTSC, whose decimals are rounded (29.97 is 30000/1001), or thousandths.
-fn ratio(rate_hz: f64) -> String {
+fn ratio(rate_hz: f64) -> [u32; 2] {
     // 23.976, 29.97 and 59.94 are a millionth off.
     let is = |wanted: f64| (rate_hz / wanted - 1.0).abs() < 2e-6;
-    let (whole, ntsc) = (rate_hz.round(), (rate_hz * 1.001).round());
-    match () {
-        () if is(whole) => format!("{whole}/1"),
-        () if is(ntsc / 1.001) => format!("{}/1001", 1000.0 * ntsc),
-        () => format!("{}/1000", (1000.0 * rate_hz).round()),
-    }
+    let (nearest, ntsc) = (rate_hz.round(), (rate_hz * 1.001).round());
+    let (frames, seconds) = match () {
+        () if is(nearest) => (nearest, 1),
+        () if is(ntsc / 1.001) => (1000.0 * ntsc, 1001),
+        () => ((1000.0 * rate_hz).round(), 1000),
+    };
+    [whole(frames).unwrap_or(u32::MAX), seconds]
 }
 
 /// Writes the frames of `clip` as H.264 video into the MP4 file `path`. Gray levels change a little, and odd sides get a black row or
 /// column.
 ///
 /// # Errors
-/// If a frame cannot be decoded, ffmpeg is missing or fails, the file cannot be written, or the work was cancelled.
-pub fn video(clip: &Clip, path: &Path, progress: Option<&dyn Progress>) -> Result<(), Error> {
+/// If a frame cannot be decoded, ffmpeg is missing or fails, the browser cannot encode H.264, the file cannot be written, or the work was cancelled.
+pub async fn video(clip: &Clip, path: &Path, progress: Option<&dyn Progress>) -> Result<(), Error> {
     let (info, (width, height)) = (clip.info(), clip.size());
     let name = &info.name;
     let Some(frames) = info.frames else {
@@ -177,17 +84,18 @@ pub fn video(clip: &Clip, path: &Path, progress: Option<&dyn Progress>) -> Resul
     let rate_hz = info.fps.unwrap_or(USUAL_HZ);
     // Motion is estimated on it, so little may be lost.
     let video = Video { what: "video", instead: "save as numbered PNG", size: [width, height], rate_hz, crf: 8 };
-    let pour = |pipe: &mut Pipe<'_>| {
+    let pour = async |pipe: &mut Pipe<'_>| {
         for t in 0..frames {
             if progress.is_some_and(Progress::cancelled) {
                 return Err(Error::new(format!("saving {name} was cancelled after {t} of {frames} frames")));
             }
             progress.into_iter().for_each(|progress| progress.report(t as f32 / frames as f32));
-            pipe.put(&rgb(&*clip.frame(t)?))?;
+            pipe.put(&rgb(&*clip.frame(t)?)).await?;
+            work::breathe().await;
         }
         Ok(())
     };
-    save_file(path, |file| video.write(file, progress, pour))
+    save_file(path, async |file: &Path| video.write(file, progress, pour).await).await
 }
 
 /// The pixels of a frame as rows of RGB.
@@ -208,6 +116,9 @@ mod tests {
     use motionscope_core::synth;
 
     use super::*;
+    use crate::files::temporary;
+    use crate::media::input::Input;
+    use crate::media::video::{Format, track};
     use crate::media::{Open, open};
 
     /// Remembers what lies in a folder while a video is made there.
@@ -253,15 +164,15 @@ mod tests {
         let path = folder.path().join("a.mp4");
         if !can_encode() {
             // Without it the same call says what to do.
-            let said = video(&made, &path, None).unwrap_err().to_string();
+            let said = work::finish(video(&made, &path, None)).unwrap_err().to_string();
             assert!(said.contains("save as numbered PNG") && !path.exists(), "{said}");
             return;
         }
-        let cancelled = video(&made, &path, Some(&Cancelled)).unwrap_err().to_string();
+        let cancelled = work::finish(video(&made, &path, Some(&Cancelled))).unwrap_err().to_string();
         assert!(cancelled.contains("cancelled after 0 of 4 frames") && !path.exists(), "{cancelled}");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is left of it");
         let watching = Watching { folder: folder.path(), seen: Mutex::default() };
-        video(&made, &path, Some(&watching)).unwrap();
+        work::finish(video(&made, &path, Some(&watching))).unwrap();
         let seen = watching.seen.into_inner().unwrap();
         // A killed run leaves nothing else, and the next start removes that.
         assert!(seen.len() >= 4 && seen.iter().all(|path| temporary::is_temporary(path)), "{seen:?}");
@@ -281,17 +192,53 @@ mod tests {
     fn rates_are_fractions_without_rounding_errors() {
         let rates = [12.0, 25.0, 29.97, f64::from(29.97_f32), 30_000.0 / 1001.0, 23.976, 59.94, 12.5, 1.0 / 3.0];
         let wanted = [
-            "12/1",
-            "25/1",
-            "30000/1001",
-            "30000/1001",
-            "30000/1001",
-            "24000/1001",
-            "60000/1001",
-            "12500/1000",
-            "333/1000",
+            [12, 1],
+            [25, 1],
+            [30_000, 1001],
+            [30_000, 1001],
+            [30_000, 1001],
+            [24_000, 1001],
+            [60_000, 1001],
+            [12_500, 1000],
+            [333, 1000],
         ];
         assert_eq!(rates.map(ratio), wanted);
+    }
+
+    /// The coded pictures of a file, and the codec's parameters.
+    fn stream(path: &Path) -> (Vec<mux::Picture>, Vec<u8>) {
+        let mut input = Input::open(path).unwrap();
+        let track = track(Format::Mp4, &mut input, &Open::default()).unwrap();
+        let pictures = track.samples.iter().map(|sample| mux::Picture {
+            bytes: input.read_up_to(sample.offset, u64::from(sample.size)).unwrap(),
+            is_key: sample.key,
+        });
+        (pictures.collect(), track.config)
+    }
+
+    #[test]
+    fn a_muxed_video_opens_with_its_pictures_and_rate() {
+        let folder = tempfile::tempdir().unwrap();
+        let [from, to] = [
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/h264_baseline.mp4"),
+            folder.path().join("a.mp4"),
+        ];
+        let (pictures, configuration) = stream(&from);
+        let (width, height) = open(&from, &Open::default()).unwrap().clip.size();
+        let muxed = |pictures| {
+            let configuration = configuration.clone();
+            mux::Stream { size: [width as u16, height as u16], rate: ratio(29.97), configuration, pictures }.into_file()
+        };
+        let file = muxed(stream(&from).0).unwrap();
+        let [tables, content] =
+            [b"moov", b"mdat"].map(|name| file.windows(4).position(|bytes| bytes == name).expect("the box"));
+        assert!(tables < content, "players need not wait for the end");
+        fs::write(&to, &file).unwrap();
+        assert!((pictures, configuration.clone()) == stream(&to), "every picture is there");
+        let read = open(&to, &Open::default()).unwrap().clip;
+        assert_eq!(read.size(), (width, height));
+        assert!((read.info().fps.unwrap() - 30_000.0 / 1001.0).abs() < 1e-3, "{:?}", read.info().fps);
+        assert!(muxed(Vec::new()).is_err(), "a video has a picture");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::media::video::coded::Track;
 
-/// A track as the browser's decoder is told of it.
+/// The description of a track for the browser's decoder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Config {
     /// The codec with profile, level and depth, as in `av01.0.04M.08`.

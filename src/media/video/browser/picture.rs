@@ -30,8 +30,8 @@ pub(super) struct KnownColors {
 }
 
 impl KnownColors {
-    /// These colours as a browser tells them, beside those of the container. A matrix that the browser may only have assumed is not
-    /// believed.
+    /// These colours, which a browser reports, beside those of the container. A matrix that the browser may only have assumed counts
+    /// as unknown.
     pub(super) fn beside(self, container: Option<(u32, bool)>) -> Self {
         let told = container.map(|(matrix, _)| matrix).filter(|matrix| *matrix != UNKNOWN);
         let is_full = container.is_some_and(|(_, is_full)| is_full);

@@ -1,4 +1,4 @@
-//! The browser's decoder (WebCodecs) as far as it is used here. web-sys declares it only behind an unstable flag of the compiler.
+//! The part of the browser's decoder (WebCodecs) that is used. web-sys declares it only behind an unstable flag of the compiler.
 
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
@@ -11,6 +11,7 @@ use web_time::Duration;
 
 use super::config::Config;
 use super::picture::{KnownColors, matrix};
+use crate::media::javascript::{message, object};
 use crate::work::Signal;
 
 /// Samples that wait in the decoder at most.
@@ -59,20 +60,6 @@ extern "C" {
     fn copy_to(this: &VideoFrame, buffer: &Uint8Array, options: &Object) -> Result<Promise, JsValue>;
     #[wasm_bindgen(method, js_name = close)]
     fn close_frame(this: &VideoFrame);
-}
-
-/// An object of JavaScript with these values.
-fn object<const N: usize>(entries: [(&str, JsValue); N]) -> Object {
-    let object = Object::new();
-    // A plain object takes every value.
-    entries.into_iter().for_each(|(key, value)| drop(Reflect::set(&object, &key.into(), &value)));
-    object
-}
-
-/// The message of an error of the browser.
-fn message(error: &JsValue) -> String {
-    let message = Reflect::get(error, &"message".into()).ok().and_then(|message| message.as_string());
-    message.filter(|message| !message.is_empty()).unwrap_or_else(|| "it gives no reason".into())
 }
 
 fn described(config: &Config) -> Object {
