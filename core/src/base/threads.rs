@@ -1,7 +1,7 @@
 //! The one door behind which threads are.
 
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use rayon::prelude::*;
 
@@ -57,10 +57,14 @@ impl Threads {
     }
 
     /// `f` of 0, 1, … `n − 1`, in that order, computed in any.
-    pub(crate) fn map<T: Send>(&self, n: usize, f: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
+    pub(crate) fn map<T: Send>(&self, n: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
         match &self.0 {
             None => (0..n).map(f).collect(),
-            Some(pool) => pool.install(|| (0..n).into_par_iter().with_max_len(1).map(f).collect()),
+            Some(pool) => {
+                let results: Vec<Mutex<Option<T>>> = (0..n).map(|_| Mutex::default()).collect();
+                spread(pool, n, &|i| *locked(&results[i]) = Some(f(i)));
+                results.into_iter().filter_map(unlocked).collect()
+            }
         }
     }
 
@@ -71,47 +75,43 @@ impl Threads {
     pub(crate) fn map_while<T: Send>(
         &self,
         n: usize,
-        wanted: impl Fn() -> Result<(), Error> + Send + Sync,
-        f: impl Fn(usize) -> T + Send + Sync,
+        wanted: impl Fn() -> Result<(), Error> + Sync,
+        f: impl Fn(usize) -> T + Sync,
     ) -> Result<Vec<T>, Error> {
-        let one = |i| wanted().map(|()| f(i));
+        let refused = OnceLock::new();
+        let one = |i| match refused.get() {
+            None => wanted().map(|()| f(i)).map_err(|error| refused.get_or_init(|| error).clone()),
+            Some(error) => Err(error.clone()),
+        };
         match &self.0 {
             None => (0..n).map(one).collect(),
-            Some(pool) => pool.install(|| (0..n).into_par_iter().with_max_len(1).map(one).collect()),
+            Some(_) => self.map(n, one).into_iter().collect(),
         }
     }
 
     /// What `f` gives of each of `parts`, in their order; worked out in any.
-    pub(crate) fn gather<T: Send, R: Send>(
-        &self,
-        parts: impl Iterator<Item = T>,
-        f: impl Fn(T) -> R + Send + Sync,
-    ) -> Vec<R> {
-        match &self.0 {
-            None => parts.map(f).collect(),
-            Some(pool) => {
-                let parts: Vec<_> = parts.collect();
-                pool.install(|| parts.into_par_iter().map(f).collect())
-            }
+    pub(crate) fn gather<T: Send, R: Send>(&self, parts: impl Iterator<Item = T>, f: impl Fn(T) -> R + Sync) -> Vec<R> {
+        if self.0.is_none() {
+            return parts.map(f).collect();
         }
+        let parts: Vec<_> = parts.map(|part| Mutex::new(Some(part))).collect();
+        let results = self.map(parts.len(), |i| locked(&parts[i]).take().map(&f));
+        results.into_iter().flatten().collect()
     }
 
     /// Has `f` write every stretch of `length` cells, given its number, in any order.
     pub(crate) fn chunks<T: Send>(&self, cells: &mut [T], length: usize, f: impl Fn(usize, &mut [T]) + Sync) {
-        let length = length.max(1);
-        match &self.0 {
-            None => cells.chunks_exact_mut(length).enumerate().for_each(|(i, cells)| f(i, cells)),
-            Some(pool) => pool.install(|| {
-                cells.par_chunks_exact_mut(length).enumerate().for_each(|(i, cells)| f(i, cells));
-            }),
-        }
+        self.each(cells.chunks_exact_mut(length.max(1)).enumerate(), |(i, cells)| f(i, cells));
     }
 
     /// Has `f` work on each of `parts`, in any order.
-    pub(crate) fn each<T: Send>(&self, parts: Vec<T>, f: impl Fn(T) + Send + Sync) {
+    pub(crate) fn each<T: Send>(&self, parts: impl IntoIterator<Item = T>, f: impl Fn(T) + Sync) {
         match &self.0 {
             None => parts.into_iter().for_each(f),
-            Some(pool) => pool.install(|| parts.into_par_iter().with_max_len(1).for_each(f)),
+            Some(pool) => {
+                let parts: Vec<_> = parts.into_iter().map(|part| Mutex::new(Some(part))).collect();
+                spread(pool, parts.len(), &|i| locked(&parts[i]).take().into_iter().for_each(&f));
+            }
         }
     }
 
@@ -166,6 +166,19 @@ impl Threads {
             None => Ok(cells.into_iter().filter_map(OnceLock::into_inner).collect()),
         }
     }
+}
+
+/// Has `work` done for 0, 1, … `n − 1` by the threads of a pool, in any order. It is compiled once for all kinds of work.
+fn spread(pool: &rayon::ThreadPool, n: usize, work: &(dyn Fn(usize) + Sync)) {
+    pool.install(|| (0..n).into_par_iter().with_max_len(1).for_each(work));
+}
+
+fn locked<T>(cell: &Mutex<T>) -> MutexGuard<'_, T> {
+    cell.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn unlocked<T>(cell: Mutex<Option<T>>) -> Option<T> {
+    cell.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The early end of a sweep.

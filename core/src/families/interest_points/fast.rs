@@ -295,7 +295,7 @@ impl Estimator for Fast {
         let mut state = State::new(clip.frame(frame)?);
         let (width, height) = state.map.size();
         let (rows, mut scores) = (threads.rows_at_once(height), Grid::new(width, height, 0));
-        let parts = scores.cells_mut().chunks_mut(rows * width).enumerate().collect();
+        let parts = scores.cells_mut().chunks_mut(rows * width).enumerate();
         threads.each(parts, |(i, part): (usize, &mut [u8])| {
             let mut counter = tally.counter();
             let of_rows = part.chunks_exact_mut(width).enumerate();

@@ -229,7 +229,7 @@ impl Background for KnnBackground {
             Mask::from_fn(mask.width(), mask.height(), |x, y| mask.get(x, y) && is_one(x, y))
         });
         if self.learning_rate > 0.0 {
-            let rows = model.sets.cells_mut().chunks_mut(width).enumerate().collect();
+            let rows = model.sets.cells_mut().chunks_mut(width).enumerate();
             threads.each(rows, |(y, row): (usize, &mut [Sets])| {
                 for (x, sets) in row.iter_mut().enumerate() {
                     self.update(sets, value(x, y), (y * width + x) as u64, (frames, periods));

@@ -129,7 +129,7 @@ impl LucasKanade {
         let ((width, height), window) = (of.a.size(), self.window());
         let rows = threads.rows_at_once(height);
         let (mut found, cancelled) = (vec![NOTHING; width * height], OnceLock::new());
-        let bands = found.chunks_mut(rows * width).enumerate().collect();
+        let bands = found.chunks_mut(rows * width).enumerate();
         threads.each(bands, |(band, found): (usize, &mut [Solution])| {
             let mut sums = window.sums(of);
             for (y, row) in found.chunks_mut(width).enumerate() {

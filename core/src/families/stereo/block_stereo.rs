@@ -344,7 +344,7 @@ impl Estimator for BlockStereo {
         let nothing = Kept { disparity: Disparity::UNKNOWN, verdict: Verdict::Accepted };
         let mut kept = vec![nothing; width * height];
         let band = threads.rows_at_once(height);
-        threads.each(kept.chunks_mut(width * band).enumerate().collect(), |(part, rows)| {
+        threads.each(kept.chunks_mut(width * band).enumerate(), |(part, rows)| {
             let (mut desk, mut observer) = (Desk::default(), tally.counter());
             for (i, row) in rows.chunks_exact_mut(width).enumerate() {
                 self.row(&state.fixed, (part * band + i, row), &mut desk, &mut observer);

@@ -454,7 +454,7 @@ impl Estimator for SemiGlobalMatching {
         clip.wanted()?;
         let (mut kept, mut right) = (state.nothing(), vec![0; width * height]);
         let rows = kept.chunks_exact_mut(width).zip(right.chunks_exact_mut(width)).zip(sums.chunks_exact(row));
-        threads.each(rows.collect(), |((kept, right), sums)| {
+        threads.each(rows, |((kept, right), sums)| {
             let mut desk = Desk::default();
             find_winners(self.settings.disparities, sums, &mut desk);
             self.choose_row(sums, &desk, kept);

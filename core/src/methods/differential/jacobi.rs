@@ -56,7 +56,7 @@ fn iterate(factors: &Rows, from: &Field, to: &mut Field, depth: usize, threads: 
     let (width, height) = from.u.size();
     let rows = height.div_ceil(threads.count()).max(1);
     let parts = to.u.cells_mut().chunks_mut(rows * width).zip(to.v.cells_mut().chunks_mut(rows * width));
-    threads.each(parts.enumerate().collect(), |(band, (u, v))| {
+    threads.each(parts.enumerate(), |(band, (u, v))| {
         let band = Band { factors, from, rows: (band * rows, band * rows + u.len() / width), depth };
         band.run([u, v]);
     });

@@ -115,7 +115,7 @@ fn in_bands<const N: usize, U: Update<N>>(
     let (width, height) = from.u.size();
     let rows = height.div_ceil(threads.count()).max(1);
     let parts = to.u.cells_mut().chunks_mut(rows * width).zip(to.v.cells_mut().chunks_mut(rows * width));
-    threads.each(parts.enumerate().collect(), |(band, (u, v))| {
+    threads.each(parts.enumerate(), |(band, (u, v))| {
         let first = band * rows;
         let band = Band { factors, rows: first..first + u.len() / width, height, depth, relaxation };
         band.run::<U>(from, [u, v]);

@@ -92,7 +92,7 @@ impl<M: Measure> Corners<M> {
         let (width, height) = picture.size();
         let rows = threads.rows_at_once(height);
         let mut map = Grid::new(width, height, 0.0);
-        let parts = map.cells_mut().chunks_mut(rows * width).enumerate().collect();
+        let parts = map.cells_mut().chunks_mut(rows * width).enumerate();
         let tensors = self.tensors_of(picture);
         threads.each(parts, |(i, part): (usize, &mut [f32])| self.respond(&tensors, i * rows, part));
         map

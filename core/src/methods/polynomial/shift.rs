@@ -168,7 +168,7 @@ impl WindowSolver {
         let rows = u.zip(v).zip(c).map(|((u, v), c)| [u, v, c]);
         let total: f32 = self.window.weights().iter().sum();
         let weights: Vec<_> = self.window.weights().iter().map(|weight| weight / total).collect();
-        threads.each(rows.enumerate().collect(), |(y, row)| self.row((&products, &weights), (expansions.from, y), row));
+        threads.each(rows.enumerate(), |(y, row)| self.row((&products, &weights), (expansions.from, y), row));
         estimate
     }
 

@@ -239,7 +239,7 @@ impl<T: Copy + Send + Sync> Planes<T> {
         let mut mask = Mask::new(width, height);
         mask.write(|words, in_row| {
             let cells = self.cells.cells_mut().chunks_mut(width * channels);
-            let rows = cells.zip(words.chunks_mut(in_row)).enumerate().collect();
+            let rows = cells.zip(words.chunks_mut(in_row)).enumerate();
             threads.each(rows, |(y, (cells, words)): (usize, (&mut [T], &mut [u64]))| {
                 f(Row::of(frame, y, channels), cells, words);
             });

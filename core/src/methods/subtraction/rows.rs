@@ -13,7 +13,7 @@ pub fn by_rows<T: Send>(
     let (width, height) = model.size();
     let mut mask = Mask::new(width, height);
     mask.write(|words, in_row| {
-        let rows = model.cells_mut().chunks_mut(width).zip(words.chunks_mut(in_row)).enumerate().collect();
+        let rows = model.cells_mut().chunks_mut(width).zip(words.chunks_mut(in_row)).enumerate();
         threads.each(rows, |(y, (cells, words)): (usize, (&mut [T], &mut [u64]))| f(y, cells, words));
     });
     mask

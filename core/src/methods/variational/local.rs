@@ -182,7 +182,7 @@ fn jacobi(factors: &[Grid<f32>; 5], field: &Field, iterations: usize, threads: &
     let rows = height.div_ceil(threads.count()).max(1);
     for _ in 0..iterations {
         let bands = to.u.cells_mut().chunks_mut(rows * width).zip(to.v.cells_mut().chunks_mut(rows * width));
-        threads.each(bands.enumerate().collect(), |(band, (u, v))| {
+        threads.each(bands.enumerate(), |(band, (u, v))| {
             for (i, (u, v)) in u.chunks_exact_mut(width).zip(v.chunks_exact_mut(width)).enumerate() {
                 let y = band * rows + i;
                 let around = [y.saturating_sub(1), y, (y + 1).min(height - 1)];

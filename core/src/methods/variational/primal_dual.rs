@@ -134,7 +134,7 @@ impl Dual {
         let [a, b, c, d] = &mut self.p;
         let mut bands = [&mut self.field.u, &mut self.field.v, a, b, c, d].map(|grid| bands(grid, rows));
         let work = parts.iter().map(|part| (part, bands.each_mut().map(|bands| bands.next().unwrap_or_default())));
-        threads.each(work.enumerate().collect(), |(band, ((part, first), targets))| {
+        threads.each(work.enumerate(), |(band, ((part, first), targets))| {
             for (grid, target) in part.grids().into_iter().zip(targets) {
                 let start = (band * rows - first) * width;
                 target.copy_from_slice(&grid.cells()[start..start + target.len()]);

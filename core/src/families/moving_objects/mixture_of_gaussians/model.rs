@@ -299,8 +299,8 @@ impl Mixture {
                     first_row: i * BAND_ROWS,
                 });
                 match self.channels {
-                    1 => threads.each(bands.collect(), |mut band| in_gray(&mut band, rates)),
-                    _ => threads.each(bands.collect(), |mut band| in_color(&mut band, rates)),
+                    1 => threads.each(bands, |mut band| in_gray(&mut band, rates)),
+                    _ => threads.each(bands, |mut band| in_color(&mut band, rates)),
                 }
             });
         });
