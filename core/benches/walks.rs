@@ -1,7 +1,7 @@
 //! How long it takes to see the last step, against the run alone: `cargo bench --workspace --bench walks`.
 //!
 //! A run on one thread beside a walk to its end with the explanation of the last step, both on the same frames at 640×480: the shortest
-//! times of several, and their ratio. A walk may take twice as long; `core/tests/laws.rs` counts the work. Names of estimators after `--`
+//! times of several, and their ratio. A walk may take twice as long; `core/tests/laws/runs.rs` counts the work. Names of estimators after `--`
 //! take the place of the usual ones, `all` stands for all.
 
 use std::time::{Duration, Instant};

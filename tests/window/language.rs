@@ -1,13 +1,13 @@
 //! What the program says around the estimators: its window, its help and its lists speak as the field does.
 //!
-//! Texts of estimators are read by `core/tests/language`, by the same rules.
+//! Texts of estimators are read by `core/tests/laws/language`, by the same rules.
 
 use motionscope::session::lesson::all;
 use motionscope_core::course::estimators;
 
 use super::*;
 
-#[path = "../../core/tests/language/rules.rs"]
+#[path = "../../core/tests/laws/language/rules.rs"]
 mod rules;
 
 /// Words that are typed or are no prose: names of files, options, parameters and their values.

@@ -1,11 +1,9 @@
 //! Parameters that are said to have no effect have none.
 
-mod common;
-
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use common::{Objects, waves};
+use crate::common::{Objects, waves};
 use motionscope_core::base::Threads;
 use motionscope_core::course::estimators;
 use motionscope_core::data::{Clip, Detection, Frame, ObjectBox};

@@ -1,8 +1,6 @@
 //! What the examples claim, measured: where an estimator works, where it fails, and what works instead.
 
-mod common;
-
-use common::clip_of;
+use crate::common::clip_of;
 use motionscope_core::base::Threads;
 use motionscope_core::course::examples::{self, Cause, Example, Settings};
 use motionscope_core::course::{detection, estimator, estimators};

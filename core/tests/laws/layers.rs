@@ -1,10 +1,8 @@
 //! The layers of the core: each takes from those before it, never from one above.
 
-mod imports;
-
 use std::path::Path;
 
-use imports::{Imports, Layers};
+use crate::imports::{Imports, Layers};
 
 /// The folders of `core/src` from the ground up.
 const LAYERS: &Layers = &[

@@ -1,10 +1,9 @@
 //! What questions hold to be true, against the results of whole runs.
 
-mod common;
-
+use crate::common;
 use std::collections::{BTreeMap, BTreeSet};
 
-use common::{clip_of, set};
+use crate::common::{clip_of, set};
 use motionscope_core::base::Threads;
 use motionscope_core::course::estimators;
 use motionscope_core::course::examples::{self, Example};

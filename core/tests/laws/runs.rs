@@ -1,10 +1,9 @@
 //! Laws that hold for every estimator of the registry. A new one is tested here unasked.
 
-mod common;
-
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-use common::{Objects, waves};
+use crate::common::{Objects, waves};
 use motionscope_core::base::{Stop, Threads, effort};
 use motionscope_core::course::estimators;
 use motionscope_core::data::{Clip, Detection, Frame, ObjectBox};
@@ -19,6 +18,7 @@ use motionscope_core::run::{AnyEstimator, Cursor, Direction, Explained, Guarante
 use motionscope_core::scene::{Focus, Scene, Step};
 use motionscope_core::synth;
 use proptest::prelude::*;
+use rayon::prelude::*;
 
 /// A texture without repetition: every place can be told from every other.
 fn texture(x: i64, y: i64) -> u8 {
@@ -137,10 +137,8 @@ fn street() -> Clip {
     scene.clip(&small).expect("a clip")
 }
 
-fn each(mut law: impl FnMut(Box<dyn AnyEstimator>)) {
-    for estimator in estimators() {
-        law(small(estimator));
-    }
+fn each(law: impl Fn(Box<dyn AnyEstimator>) + Sync) {
+    estimators().into_par_iter().with_max_len(1).for_each(|estimator| law(small(estimator)));
 }
 
 #[test]
@@ -286,7 +284,7 @@ fn the_clip_of_the_laws_has_tracks_that_confirm_coast_come_back_and_end() {
     let passes = visible.windows(2).rposition(|pair| pair[1] > pair[0]).expect("it passes");
     assert_eq!((visible[begins], visible[9], visible[passes + 1]), (1.0, 0.0, 1.0), "{visible:?}");
     assert!((8..=10).all(|t| truth(t).len() == 2 && clip.detections(t).is_some_and(|found| found.len() == 1)));
-    let mut trackers = 0;
+    let trackers = AtomicUsize::default();
     each(|estimator| {
         let output = estimator.run(&clip, 0, &Threads::single()).expect("a run");
         let Some(field) = output.get::<ObjectField>().filter(|field| field.followed == Followed::All) else { return };
@@ -301,15 +299,19 @@ fn the_clip_of_the_laws_has_tracks_that_confirm_coast_come_back_and_end() {
         assert!(told.iter().any(|lives| lives.contains(&Some(TrackStatus::Coasting))), "{id}: {told:?}");
         assert_eq!(told[0][19], Some(TrackStatus::Confirmed), "{id}: it comes back");
         assert_eq!(told[1][19], None, "{id}: it ends");
-        trackers += 1;
+        trackers.fetch_add(1, Relaxed);
     });
-    assert_eq!(trackers, 5, "blob tracker, Kalman tracker, both that weigh hypotheses, and trajectory analysis");
+    assert_eq!(
+        trackers.into_inner(),
+        5,
+        "blob tracker, Kalman tracker, both that weigh hypotheses, and trajectory analysis"
+    );
 }
 
 /// With so little memory beside what a run needs that of the states only a few are kept.
 #[test]
 fn seeking_among_thinned_checkpoints_equals_walking_there() {
-    let (mut ran, mut thinned) = (0, Vec::new());
+    let (ran, thinned) = (AtomicUsize::default(), AtomicUsize::default());
     each(|estimator| {
         let clip = lives();
         let room = estimator.need(&clip).walk + (64 << 10);
@@ -332,11 +334,12 @@ fn seeking_among_thinned_checkpoints_equals_walking_there() {
             assert!(view.same(&View::of(&*walk)), "{}: seeking {}", estimator.info().id, view.cursor);
         }
         // A state before every unit would be at hand.
-        thinned.extend((farthest > 1).then_some(estimator.info().id));
-        ran += 1;
+        thinned.fetch_add(usize::from(farthest > 1), Relaxed);
+        ran.fetch_add(1, Relaxed);
     });
-    assert_eq!(ran, estimators().len());
-    assert!(thinned.len() >= 16, "{thinned:?}");
+    assert_eq!(ran.into_inner(), estimators().len());
+    let thinned = thinned.into_inner();
+    assert!(thinned >= 16, "only {thinned}");
 }
 
 #[test]
@@ -428,7 +431,7 @@ fn sliced_seeking_arrives_at_the_same_place() {
 
 #[test]
 fn known_translations_are_recovered_as_far_as_promised() {
-    let mut ran = 0;
+    let ran = AtomicUsize::default();
     each(|mut estimator| {
         let (texture, off_px): (fn(i64, i64) -> u8, _) = match estimator.guarantee() {
             Guarantee::Translation => (texture, 0),
@@ -460,9 +463,9 @@ fn known_translations_are_recovered_as_far_as_promised() {
                 assert!(off <= f32::from(off_px), "{}: ({u}, {v}) at {x}, {y}, not {motion:?}", estimator.info().id);
             }
         }
-        ran += 1;
+        ran.fetch_add(1, Relaxed);
     });
-    assert_eq!(ran, 11, "all block searches but that by quadrants");
+    assert_eq!(ran.into_inner(), 11, "all block searches but that by quadrants");
 }
 
 #[test]
@@ -664,7 +667,7 @@ fn a_flat_picture_and_one_a_pixel_wide_give_nothing_that_is_not_finite() {
 
 #[test]
 fn a_displacement_fits_at_least_as_well_as_none() {
-    let mut ran = 0;
+    let ran = AtomicUsize::default();
     each(|estimator| {
         let clip = moving(64, 48, (2, -1), 2);
         let [current, next] = clip.pair(0).unwrap();
@@ -678,8 +681,9 @@ fn a_displacement_fits_at_least_as_well_as_none() {
             let found = vector.expect("every block is searched").cost;
             assert!(found <= at_rest as f64, "{}: block {i} costs {found}, at rest {at_rest}", estimator.info().id);
         }
-        ran += 1;
+        ran.fetch_add(1, Relaxed);
     });
+    let ran = ran.into_inner();
     assert!(ran >= 11, "only {ran} make block vectors");
 }
 
@@ -710,7 +714,7 @@ fn every_mark_is_finite_and_every_event_is_reported() {
 
 #[test]
 fn a_pixel_is_not_explained_before_its_turn() {
-    let (clip, mut ran) = (moving(40, 32, (2, 1), 2), 0);
+    let (clip, ran) = (moving(40, 32, (2, 1), 2), AtomicUsize::default());
     each(|estimator| {
         let id = estimator.info().id;
         let mut walk = estimator.walk(&clip, 0).expect("a run");
@@ -724,8 +728,9 @@ fn a_pixel_is_not_explained_before_its_turn() {
         assert!(told(&*walk, Some(point)) == at_work, "{id}: at {turn} another pixel is at work");
         into(Direction::Forward, &mut *walk);
         assert!(told(&*walk, Some(point)) != told(&*walk, None), "{id}: a pixel that is done is not explained");
-        ran += 1;
+        ran.fetch_add(1, Relaxed);
     });
+    let ran = ran.into_inner();
     assert!(ran >= 4, "only {ran} explain a pixel of the unit at work");
 }
 

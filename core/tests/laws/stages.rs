@@ -1,11 +1,9 @@
 //! Stages: estimators inside others, chosen by what they make.
 
-mod common;
-
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use common::set;
+use crate::common::set;
 use motionscope_core::base::{Error, Stop, Threads};
 use motionscope_core::course::{estimator, estimators};
 use motionscope_core::data::{Clip, Flow, ObjectBox, Truth};

@@ -1,8 +1,6 @@
 //! Active contours, held to their definitions by dense and naive references, and to what they say of the scenes that break them.
 
-mod common;
-
-use common::set;
+use crate::common::set;
 use motionscope_core::base::Threads;
 use motionscope_core::course::estimator;
 use motionscope_core::data::{Clip, Frame};

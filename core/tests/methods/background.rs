@@ -1,12 +1,9 @@
 //! Background models with their defaults on clips of a street as a cheap camera sees it, whose seeds and difficulties nothing was chosen for.
 
-mod common;
-#[path = "common/rough.rs"]
-mod rough;
-
 use std::collections::BTreeSet;
 
-use common::set;
+use crate::common::set;
+use crate::rough::{Rough, scored};
 use motionscope_core::base::Threads;
 use motionscope_core::data::{Clip, Frame, Mask, PixelClass};
 use motionscope_core::geometry::{Bounds, Grid};
@@ -14,7 +11,6 @@ use motionscope_core::products::{MaskField, ObjectField, Reference, TrackStatus}
 use motionscope_core::run::{AnyEstimator, Cursor, Move, Walk};
 use motionscope_core::scene::{Focus, Quantity, Readout, Series, Shape};
 use motionscope_core::synth;
-use rough::{Rough, scored};
 
 /// The frames that a model may learn in.
 const LEARNING: usize = 20;

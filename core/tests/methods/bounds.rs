@@ -1,10 +1,8 @@
 //! Every estimator ends, at every corner of its parameters, within a bound on work that is counted.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{Objects, waves};
+use crate::common::{Objects, waves};
 use motionscope_core::course::estimators;
 use motionscope_core::data::{Clip, Detection, Frame, ObjectBox};
 use motionscope_core::geometry::{Bounds, Grid};

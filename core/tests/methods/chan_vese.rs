@@ -1,8 +1,6 @@
 //! The active contour without edges, held to its scheme in plain loops, and beside snakes on scenes that only one of them solves.
 
-mod common;
-
-use common::{set, tile};
+use crate::common::{set, tile};
 use motionscope_core::base::Threads;
 use motionscope_core::data::{Clip, Frame};
 use motionscope_core::geometry::Grid;

@@ -1,8 +1,7 @@
 //! SIFT, matching, global motion and epipolar geometry against plain references, a recorded peer and exactly known motion.
 
-mod common;
-
-use common::set;
+use crate::common;
+use crate::common::set;
 use motionscope_core::base::Threads;
 use motionscope_core::data::{Clip, Frame};
 use motionscope_core::geometry::Grid;

@@ -1,10 +1,8 @@
 //! Models of the background against plain ones written from the papers' formulas, and against exact truth.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{Objects, set, waves};
+use crate::common::{Objects, set, waves};
 use motionscope_core::base::{Error, Stop, Threads};
 use motionscope_core::course::estimators;
 use motionscope_core::data::{Clip, ClipInfo, Frame, FrameSource, Mask, ObjectBox};

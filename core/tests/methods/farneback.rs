@@ -1,8 +1,6 @@
 //! Farnebäck's method against a plain one.
 
-mod common;
-
-use common::{SIZE, error, flow, linear_motion, set};
+use crate::common::{SIZE, error, flow, linear_motion, set};
 use motionscope_core::data::Clip;
 use motionscope_core::geometry::Grid;
 use motionscope_core::products::DenseField;

@@ -1,8 +1,6 @@
 //! Corners and the tracker of features against plain references and against places that are known exactly.
 
-mod common;
-
-use common::{set, waves};
+use crate::common::{set, waves};
 use motionscope_core::base::Threads;
 use motionscope_core::data::{Clip, Frame};
 use motionscope_core::geometry::{Border, Gray, Grid};

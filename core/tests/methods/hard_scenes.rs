@@ -1,8 +1,6 @@
 //! Scenes with one difficulty each, which break one tracker of a region and not another.
 
-mod common;
-
-use common::set;
+use crate::common::set;
 use motionscope_core::base::Threads;
 use motionscope_core::data::Clip;
 use motionscope_core::products::RegionField;

@@ -1,10 +1,8 @@
 //! Hierarchical search: against a plain reference, on far motion, and what it says about its levels.
 
-mod common;
-
 use std::collections::BTreeSet;
 
-use common::{halved, numbers, set};
+use crate::common::{halved, numbers, set};
 use motionscope_core::base::Threads;
 use motionscope_core::course::estimator;
 use motionscope_core::data::{Clip, Frame};

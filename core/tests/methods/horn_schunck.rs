@@ -1,8 +1,6 @@
 //! Horn and Schunck's method against a plain one, and what all methods on levels and warps tell.
 
-mod common;
-
-use common::{central, equation, explained_at, fact, flow, linear_motion, numbers, plane, plotted, point, set};
+use crate::common::{central, equation, explained_at, fact, flow, linear_motion, numbers, plane, plotted, point, set};
 use motionscope_core::base::Threads;
 use motionscope_core::data::{Clip, Flow, Frame};
 use motionscope_core::products::DenseField;

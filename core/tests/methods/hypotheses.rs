@@ -1,14 +1,11 @@
 //! Trackers that weigh several explanations of the detections, against plain references that enumerate all of them.
 
-mod common;
-#[path = "common/crossing.rs"]
-mod crossing;
-
+use crate::common;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use common::{Objects, numbers};
-use crossing::{Dice, HEIGHT, OF_CROSSING, PICTURE, SEEDS, crossing, crossings, found, rows, run, scored};
+use crate::common::{Objects, numbers};
+use crate::crossing::{Dice, HEIGHT, OF_CROSSING, PICTURE, SEEDS, crossing, crossings, found, rows, run, scored};
 use motionscope_core::base::Error;
 use motionscope_core::data::{Clip, ObjectBox};
 use motionscope_core::geometry::Bounds;

@@ -1,8 +1,7 @@
 //! Detectors of interest points against plain references, against OpenCV's figures, and under rotation and gain.
 
-mod common;
-
-use common::set;
+use crate::common;
+use crate::common::set;
 use motionscope_core::base::Threads;
 use motionscope_core::data::{Clip, Frame};
 use motionscope_core::geometry::{Gray, Grid};

@@ -1,8 +1,7 @@
 //! The Kalman filter on one object, as it runs through clips.
 
-mod common;
-
-use common::set;
+use crate::common;
+use crate::common::set;
 use motionscope_core::base::Threads;
 use motionscope_core::data::{Clip, Detection, Frame};
 use motionscope_core::geometry::{Bounds, Grid};

@@ -1,11 +1,10 @@
 //! The Kalman tracker on detections made for one question each.
 
-mod common;
-
+use crate::common;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use common::set;
+use crate::common::set;
 use motionscope_core::base::{Error, Stop, Threads};
 use motionscope_core::data::{Clip, Detection, Flow, ObjectBox, Truth};
 use motionscope_core::geometry::Bounds;

@@ -1,10 +1,8 @@
 //! The pictures of a pyramid's levels against the pyramid itself, and against the marks that lie on them.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::halved;
+use crate::common::halved;
 use motionscope_core::course::estimator;
 use motionscope_core::data::{Clip, Frame};
 use motionscope_core::geometry::{Gray, Grid};

@@ -1,8 +1,6 @@
 //! Lucas and Kanade's method against a plain one, and what it tells of its windows.
 
-mod common;
-
-use common::{SIZE, explained_at, fact, linear_motion, numbers, set, tile};
+use crate::common::{SIZE, explained_at, fact, linear_motion, numbers, set, tile};
 use motionscope_core::base::Threads;
 use motionscope_core::data::{Clip, Frame};
 use motionscope_core::geometry::Grid;

@@ -1,10 +1,9 @@
 //! Motion segmentation: true and estimated flow of rigid layers, a plain reference, and what it cannot do.
 
-mod common;
-
+use crate::common;
 use std::sync::Arc;
 
-use common::{fact, set};
+use crate::common::{fact, set};
 use motionscope_core::base::{Error, Threads};
 use motionscope_core::course::{estimator, estimators};
 use motionscope_core::data::{Clip, Flow, Frame, Truth};

@@ -1,8 +1,6 @@
 //! Global motion at work: stabilisation, mosaics and differences under a moving camera, held to the true path of a synthetic one.
 
-mod common;
-
-use common::set;
+use crate::common::set;
 use motionscope_core::base::Threads;
 use motionscope_core::data::{Clip, Frame};
 use motionscope_core::geometry::Grid;

@@ -1,10 +1,8 @@
 //! The unscented filter and the interacting modes against plain implementations with matrices as rows, and against single models.
 
-mod common;
-
 use std::f64::consts::TAU;
 
-use common::set;
+use crate::common::set;
 use motionscope_core::base::Threads;
 use motionscope_core::data::{Clip, Detection};
 use motionscope_core::geometry::Bounds;

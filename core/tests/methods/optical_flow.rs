@@ -1,8 +1,6 @@
 //! Optical flow against motion that is known exactly, whoever estimates it; and normal flow.
 
-mod common;
-
-use common::{SIZE, error, explained_at, fact, flow, linear_motion, moving, set, waves};
+use crate::common::{SIZE, error, explained_at, fact, flow, linear_motion, moving, set, waves};
 use motionscope_core::data::{Clip, Flow, Frame};
 use motionscope_core::geometry::Grid;
 use motionscope_core::run::{Cursor, Move};

@@ -1,8 +1,6 @@
 //! Points that are carried along by dense flow, against exact motions and exact truth.
 
-mod common;
-
-use common::{set, waves};
+use crate::common::{set, waves};
 use motionscope_core::base::Threads;
 use motionscope_core::data::{Clip, Frame};
 use motionscope_core::geometry::Grid;

@@ -1,10 +1,8 @@
 //! RAPiD, held to its definition with derivatives by differences, to exact poses, and to what it says of the scenes that break it.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{fact, set};
+use crate::common::{fact, set};
 use motionscope_core::base::{Error, Threads};
 use motionscope_core::data::{Clip, Flow, Frame, ObjectBox, Pose, Truth};
 use motionscope_core::geometry::Grid;

@@ -1,8 +1,7 @@
 //! Phase correlation and image alignment against plain sums, on known motion, and on input that does not suit them.
 
-mod common;
-
-use common::{SIZE, error, linear_motion, moving, set, waves};
+use crate::common;
+use crate::common::{SIZE, error, linear_motion, moving, set, waves};
 use motionscope_core::base::Threads;
 use motionscope_core::data::{Clip, Flow, Frame};
 use motionscope_core::geometry::Grid;

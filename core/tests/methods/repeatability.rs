@@ -1,8 +1,6 @@
 //! Repeatability of the detectors on a scene with known rotation, scale, blur, noise, gain and offset.
 
-mod common;
-
-use common::set;
+use crate::common::set;
 use motionscope_core::base::Threads;
 use motionscope_core::course::{detection, estimator};
 use motionscope_core::data::Clip;

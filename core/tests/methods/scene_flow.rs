@@ -1,10 +1,8 @@
 //! Scene flow against its definition, against exact truth, and against the theory of its errors.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::set;
+use crate::common::set;
 use motionscope_core::base::{Error, Threads};
 use motionscope_core::course::{estimator, estimators};
 use motionscope_core::data::{Calibration, Clip, DepthSource, Frame, PixelClass, Pose};

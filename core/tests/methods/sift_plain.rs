@@ -1,10 +1,8 @@
 //! SIFT against the plainest implementation of Lowe's paper (2004) in double precision: extrema, refinement, orientations, descriptors.
 
-mod common;
-
 use std::f64::consts::TAU;
 
-use common::{set, waves};
+use crate::common::{set, waves};
 use motionscope_core::base::Threads;
 use motionscope_core::data::{Clip, Frame};
 use motionscope_core::geometry::{Border, Gray, Grid};

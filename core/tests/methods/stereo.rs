@@ -1,10 +1,9 @@
 //! Stereo against its definitions, written down plainly, against exact truth, and where it fails.
 
-mod common;
-
+use crate::common;
 use std::sync::Arc;
 
-use common::set;
+use crate::common::set;
 use motionscope_core::base::Threads;
 use motionscope_core::course::estimators;
 use motionscope_core::data::{Calibration, Clip, Disparity, Frame};

@@ -1,8 +1,6 @@
 //! Template matching against plain sums over every window, on known motion, and on input that does not suit it.
 
-mod common;
-
-use common::{fact, moving, set, waves};
+use crate::common::{fact, moving, set, waves};
 use motionscope_core::base::Threads;
 use motionscope_core::course::estimator;
 use motionscope_core::data::{Clip, Frame};

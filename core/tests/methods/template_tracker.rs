@@ -1,8 +1,6 @@
 //! The template tracker, held to its definition in plain sums, to exact warps, and to what it says of the scenes that break it.
 
-mod common;
-
-use common::{central, set, waves};
+use crate::common::{central, set, waves};
 use motionscope_core::base::Threads;
 use motionscope_core::data::{Clip, Frame};
 use motionscope_core::geometry::{Bounds, Grid};

@@ -1,10 +1,8 @@
 //! Objects that are followed: identities, scores, and a thrown ball.
 
-mod common;
-
 use std::collections::BTreeSet;
 
-use common::set;
+use crate::common::set;
 use motionscope_core::base::Threads;
 use motionscope_core::data::{Clip, Detection, Frame};
 use motionscope_core::geometry::{Bounds, Grid};

@@ -1,10 +1,8 @@
 //! The combined local-global method and TV-L1, against plain references, exact motion and what is known of their energies.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{SIZE, central, error, flow, plane, plotted, set, waves};
+use crate::common::{SIZE, central, error, flow, plane, plotted, set, waves};
 use motionscope_core::base::Error;
 use motionscope_core::data::{Clip, Flow, Frame, Truth};
 use motionscope_core::geometry::Grid;

@@ -5,8 +5,6 @@
 //! quantity whose decimals change, on a line of pseudocode that is never reached, and on a sentence that belongs to two lines.
 //! `tests/window/language.rs` of the application holds all texts of the window to the same rules (`rules.rs`).
 
-#[path = "../common/mod.rs"]
-mod common;
 mod phrases;
 mod pseudocode;
 mod questions;

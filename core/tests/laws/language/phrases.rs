@@ -2,8 +2,8 @@
 
 use motionscope_core::course::glossary;
 
-use crate::rules;
-use crate::walks::ALL;
+use super::rules;
+use super::walks::ALL;
 
 /// Places whose text is read as it stands; pseudocode has a syntax of its own.
 fn is_prose(place: &str) -> bool {

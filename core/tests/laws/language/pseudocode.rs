@@ -8,8 +8,8 @@ use motionscope_core::run::Info;
 use motionscope_core::scene::pseudocode::Name;
 use motionscope_core::scene::{Sentence, Step};
 
+use super::walks::{ALL, Seen};
 use crate::common::toy;
-use crate::walks::{ALL, Seen};
 
 /// What is wrong with the pseudocode of an estimator, and with the steps that were seen.
 fn faults(info: &Info, seen: &Seen) -> Vec<String> {

@@ -4,9 +4,9 @@ use motionscope_core::run::Info;
 use motionscope_core::scene::{Asked, Question, Reply, Step, Unit};
 use motionscope_core::{pseudocode, variables};
 
+use super::rules;
+use super::walks::{ALL, Seen};
 use crate::common::toy;
-use crate::rules;
-use crate::walks::{ALL, Seen};
 
 /// What is wrong with a question by itself.
 fn faults(info: &Info, question: &Question) -> Vec<String> {

@@ -13,8 +13,8 @@ use motionscope_core::scene::{Asked, Focus, Question, Role, Shown, Step, asked};
 use motionscope_core::synth;
 use rayon::prelude::*;
 
+use super::texts::{Texts, stripped};
 use crate::common::{Objects, waves};
-use crate::texts::{Texts, stripped};
 
 /// The size of a picture of which each part does something else.
 pub const PARTS: (usize, usize) = (48, 36);
