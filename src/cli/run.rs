@@ -96,7 +96,8 @@ pub fn run(args: &RunArgs, link_base: Option<&str>) -> Result<(), Error> {
     let explain = |(pixel, Seen { moment, step, motion })| ExplainedPixel::new(pixel, moment.cursor, &step, motion);
     let pixel = args.picture.pixel.zip(seen).map(explain);
     let conclusion = conclusion(&prepared, &output);
-    let step = args.step.filter(|_| args.json).map(|step| step_report(&prepared, step)).transpose()?;
+    let step = args.step.or(place.position.cursor).filter(|_| args.json);
+    let step = step.map(|step| step_report(&prepared, step)).transpose()?;
     let findings = Findings { assessment, check, live, conclusion, pixel, step };
     let report = Report::new(&prepared, &output, findings, extent, timing);
     let encode = |(export, path, format): &(&'static Export, &PathBuf, &results::Format)| {

@@ -81,7 +81,7 @@ mod tests {
 
     #[test]
     fn a_run_in_slices_has_the_result_and_the_counts_of_one_on_threads() {
-        let clip = Source::synth("pillar").unwrap().open(&Open::default()).unwrap().clip;
+        let clip = Source::synth("pillar,width=128,height=96").unwrap().open(&Open::default()).unwrap().clip;
         for estimator in estimators() {
             let Ok(run) = estimator.run_counted(&clip, 0, &Threads::all().unwrap()) else { continue };
             let (sliced, _) = work::finish(finished(|| estimator.begin_counted(&clip, 0))).unwrap();

@@ -49,6 +49,9 @@ impl Browser {
         let name = ["chromium", "google-chrome"].into_iter().find(is_installed);
         let mut command = Command::new(name.expect("chromium is installed (Debian: apt-get install chromium)"));
         command.args(FLAGS).arg(format!("--user-data-dir={}", profile.path().display()));
+        // Few pixels, which a processor has to draw, unless someone is to look at them.
+        let pixels_per_point = if std::env::var_os("SCREENSHOTS").is_some() { "1" } else { "0.5" };
+        command.arg(format!("--force-device-scale-factor={pixels_per_point}"));
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
         let process = command.spawn().expect("chromium starts");
         let (port, path) = debugging_port(profile.path());

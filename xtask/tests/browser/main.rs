@@ -23,6 +23,9 @@ const ESTIMATORS: [f64; 2] = [768.0, 99.0];
 const FIRST_ESTIMATOR: [f64; 2] = [800.0, 190.0];
 const FREEZE: [f64; 2] = [945.0, 656.0];
 
+/// The format in the dialog that exports several steps.
+const MP4: [f64; 2] = [782.0, 216.0];
+
 /// The page, served below a path.
 fn serve(base: &str) -> Server {
     Server::start(xtask::default_folder(), base, 0).expect("the page is served")
@@ -305,25 +308,64 @@ fn a_step_says_the_same_as_on_a_desktop() {
     assert!(differing.is_empty(), "{}", differing.join("\n"));
 }
 
-/// The picture that is exported into a folder: Enter saves it once the dialog is there. A key that comes too early is pressed again.
-fn exported(tab: &mut Tab, folder: &Path) -> Vec<u8> {
+/// A file with this ending that is downloaded into a folder, and taken away; `ask` is called again and again until it is there.
+fn downloaded(tab: &mut Tab, (folder, ending): (&Path, &str), ask: impl Fn(&mut Tab, usize)) -> Vec<u8> {
     for attempt in 0..150 {
-        if attempt % 10 == 0 {
-            tab.press_ctrl("e");
-        }
+        ask(tab, attempt);
         std::thread::sleep(Duration::from_millis(300));
         let files: Vec<_> = std::fs::read_dir(folder).expect("the folder of downloads").flatten().collect();
         if let [file] = files.as_slice()
-            && file.path().extension().is_some_and(|ending| ending == "png")
+            && file.path().extension().is_some_and(|found| found == ending)
         {
-            let picture = std::fs::read(file.path()).expect("its content");
+            let content = std::fs::read(file.path()).expect("its content");
             std::fs::remove_file(file.path()).expect("it is taken away");
-            return picture;
+            return content;
         }
-        tab.press("Enter");
     }
     tab.screenshot("failure");
     panic!("nothing is downloaded");
+}
+
+/// The picture that is exported into a folder: Enter saves it once the dialog is there. A key that comes too early is pressed again.
+fn exported(tab: &mut Tab, folder: &Path) -> Vec<u8> {
+    downloaded(tab, (folder, "png"), |tab, attempt| match attempt % 10 {
+        0 => tab.press_ctrl("e"),
+        _ => tab.press("Enter"),
+    })
+}
+
+/// The gray levels of all frames of a video.
+fn levels(video: &Path) -> Vec<u8> {
+    let mut command = Command::new("ffmpeg");
+    command.args(["-v", "error", "-i"]).arg(video).args(["-f", "rawvideo", "-pix_fmt", "gray", "pipe:1"]);
+    let output = command.output().expect("ffmpeg is installed");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    output.stdout
+}
+
+#[test]
+fn an_exported_video_shows_what_that_of_a_desktop_shows() {
+    let (server, mut browser) = (serve("/"), Browser::start());
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut tab = open(&mut browser, &server, "#synth:pillar&estimator=diamond");
+    tab.call("Browser.setDownloadBehavior", json!({ "behavior": "allow", "downloadPath": folder.path() }));
+    tab.wait("diamond search", |shown| shown.text("estimator") == "diamond" && !shown.is_busy());
+    let video = downloaded(&mut tab, (folder.path(), "mp4"), |tab, attempt| match attempt % 20 {
+        0 => tab.press_ctrl("E"),
+        4 => tab.click(MP4),
+        8 => tab.press("Enter"),
+        _ => {}
+    });
+    let [from_page, from_desktop] = ["page.mp4", "desktop.mp4"].map(|name| folder.path().join(name));
+    std::fs::write(&from_page, video).expect("the video");
+    let steps = ["export", "synth:pillar", "--estimator", "diamond", "--steps", "1.1..1"];
+    let look = ["--theme", "light", "--scale", "2", "--legend", "--rate", "8", "--animation"];
+    desktop(&[&steps[..], &look, &[from_desktop.to_str().expect("a path")]].concat());
+    let [found, wanted] = [&from_page, &from_desktop].map(|video| levels(video));
+    assert_eq!(found.len(), wanted.len(), "as many pictures of the same size");
+    let far: u64 = found.iter().zip(&wanted).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
+    let mean = far as f64 / found.len() as f64;
+    assert!(mean < 1.5, "gray levels differ by {mean} on average");
 }
 
 /// Whole numbers alone decide what block searches draw.
@@ -408,7 +450,7 @@ fn it_works_below_a_path_and_without_the_server() {
 fn a_phone_shows_a_lesson_and_steps_by_touch() {
     let (server, mut browser) = (serve("/"), Browser::start());
     let mut tab = Tab::new(&mut browser);
-    tab.resize([390, 844], 1.0, true);
+    tab.resize([390, 844], true);
     tab.open(&format!("{}#lesson:kalman-filter/3", server.address()));
     tab.wait("the page of the lesson", |shown| shown.text("lesson") == "kalman-filter/3" && !shown.is_busy());
     tab.settle();

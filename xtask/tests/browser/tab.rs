@@ -25,7 +25,7 @@ impl Tab {
             session.call(&format!("{domain}.enable"), json!({}));
         }
         let mut tab = Self { session, faults: Vec::new() };
-        tab.resize([1280, 720], 1.0, false);
+        tab.resize([1280, 720], false);
         tab
     }
 
@@ -47,9 +47,10 @@ impl Tab {
         self.wait("something to be shown after a reload", |_| true);
     }
 
-    /// Gives the page another size in points, with pixels per point, as on a phone with a touch screen.
-    pub fn resize(&mut self, [width, height]: [u32; 2], scale: f64, is_phone: bool) {
-        let metrics = json!({ "width": width, "height": height, "deviceScaleFactor": scale, "mobile": is_phone });
+    /// Gives the page another size in points, as on a phone with a touch screen.
+    pub fn resize(&mut self, [width, height]: [u32; 2], is_phone: bool) {
+        // The browser's own pixels per point.
+        let metrics = json!({ "width": width, "height": height, "deviceScaleFactor": 0, "mobile": is_phone });
         self.call("Emulation.setDeviceMetricsOverride", metrics);
         self.call("Emulation.setTouchEmulationEnabled", json!({ "enabled": is_phone }));
     }
