@@ -16,6 +16,7 @@ use motionscope::session::Session;
 use motionscope::ui::app::App;
 use motionscope::ui::{self, Start};
 use motionscope::view::look::Look;
+use motionscope::work;
 use motionscope_core::synth;
 
 /// The window of a page, and the waiting for its work.
@@ -66,7 +67,7 @@ fn clip(name: &str) -> (Vec<(String, Vec<u8>)>, Vec<u8>) {
     (difficulty.frames, difficulty.width, difficulty.height) = (3, 96, 64);
     let clip = synth::SCENES[0].clip(&difficulty).expect("a clip in a folder");
     let folder = tempfile::tempdir().expect("a clip in a folder");
-    export::clip(&clip, folder.path(), None).expect("a clip in a folder");
+    work::finish(export::clip(&clip, folder.path(), None)).expect("a clip in a folder");
     let mut files = Vec::new();
     for path in [folder.path().to_owned(), folder.path().join("flow")].iter().flat_map(|folder| files::entries(folder))
     {

@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use motionscope::files;
 use motionscope::files::given::{self, GivenFile};
 use motionscope::media::{Open, OpenedClip, Progress, export, open};
+use motionscope::work;
 use motionscope_core::base::Error;
 use motionscope_core::data::{Clip, Frame};
 use proptest::prelude::*;
@@ -397,7 +398,7 @@ fn pictures_in_memory_come_with_their_ground_truth_and_their_right_view() {
         let mut difficulty = scene.difficulty();
         (difficulty.frames, difficulty.width, difficulty.height) = (3, 96, 64);
         let Ok(clip) = scene.clip(&difficulty) else { continue };
-        export::clip(&clip, &folder.path().join(scene.id), None).unwrap();
+        work::finish(export::clip(&clip, &folder.path().join(scene.id), None)).unwrap();
     }
     let given = given::take(given_files(folder.path(), "")).unwrap();
     let mut kinds = std::collections::BTreeSet::new();
@@ -418,8 +419,8 @@ fn a_clip_is_saved_to_memory_as_to_the_disk() {
     files::create_dir_all(memory).unwrap();
     // A second time over the first.
     for _ in 0..2 {
-        export::clip(&clip, disk.path(), None).unwrap();
-        export::clip(&clip, memory, None).unwrap();
+        work::finish(export::clip(&clip, disk.path(), None)).unwrap();
+        work::finish(export::clip(&clip, memory, None)).unwrap();
     }
     let names = |folder: &Path| -> Vec<_> {
         let names = files::entries(folder).map(|path| path.file_name().unwrap().to_owned());
@@ -430,7 +431,7 @@ fn a_clip_is_saved_to_memory_as_to_the_disk() {
         assert_eq!(files::read(&memory.join(&name)).unwrap(), fs::read(disk.path().join(&name)).unwrap(), "{name:?}");
     }
     let copied = Path::new("/saved/copy.mp4");
-    export::copy(&fixture("h264_gray.mp4"), copied).unwrap();
+    work::finish(export::copy(&fixture("h264_gray.mp4"), copied)).unwrap();
     assert_eq!(everything(copied).replace("copy.mp4", "h264_gray.mp4"), everything(&fixture("h264_gray.mp4")));
     assert!(export::save(Path::new("/saved/no/a.png"), b"x").unwrap_err().to_string().contains("there is no folder"));
 }

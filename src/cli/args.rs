@@ -349,7 +349,7 @@ pub struct RunArgs {
     /// Overwrite input files, or save among the frames of the clip.
     #[arg(long, help_heading = "Output")]
     pub force: bool,
-    /// Print one JSON object; with --step, the step is part of it.
+    /// Print one JSON object; with --step, or a link or session at a step, the step is part of it.
     #[arg(long, help_heading = "Output")]
     pub json: bool,
 }

@@ -31,7 +31,7 @@ use motionscope_core::base::Error;
 use crate::experiment::source::Source;
 use crate::media::{self, Given, Info, Open};
 use crate::session::{Named, trust};
-use crate::ui;
+use crate::{ui, work};
 use args::{Args, Command};
 use print::{say, say_json, to_json};
 
@@ -136,7 +136,7 @@ fn synth(name: &str, out: &Path, settings: &[String]) -> Result<(), Error> {
     let mut source = Source::parse(format!("synth:{}", name.trim_start_matches("synth:")))?;
     settings.iter().try_for_each(|setting| source.set(setting))?;
     let clip = source.open(&Open::default())?.clip;
-    media::export::clip(&clip, out, None)?;
+    work::finish(media::export::clip(&clip, out, None))?;
     let frames = clip.info().frames.unwrap_or_default();
     say(&format!("{}: {frames} frames with ground truth in {}", clip.info().name, out.display()))
 }

@@ -64,8 +64,9 @@ pub fn run(args: &RunArgs, link_base: Option<&str>) -> Result<(), Error> {
         remark(&format!("warning: {}", repeated_note(frame)));
     }
     let (RunSummary { output, causal, extent }, times) = timed(&prepared, &threads, args.repeat)?;
+    let step = args.step.or(place.position.cursor);
     if let Some(step) =
-        args.step.filter(|step| experiment.side_by_side.is_empty() && *step != Cursor::END && step.unit >= extent.units)
+        step.filter(|step| experiment.side_by_side.is_empty() && *step != Cursor::END && step.unit >= extent.units)
     {
         return Err(Error::new(format!("there is no step {step}: the run ends at {}", extent.units)));
     }
@@ -96,8 +97,7 @@ pub fn run(args: &RunArgs, link_base: Option<&str>) -> Result<(), Error> {
     let explain = |(pixel, Seen { moment, step, motion })| ExplainedPixel::new(pixel, moment.cursor, &step, motion);
     let pixel = args.picture.pixel.zip(seen).map(explain);
     let conclusion = conclusion(&prepared, &output);
-    let step = args.step.or(place.position.cursor).filter(|_| args.json);
-    let step = step.map(|step| step_report(&prepared, step)).transpose()?;
+    let step = step.filter(|_| args.json).map(|step| step_report(&prepared, step)).transpose()?;
     let findings = Findings { assessment, check, live, conclusion, pixel, step };
     let report = Report::new(&prepared, &output, findings, extent, timing);
     let encode = |(export, path, format): &(&'static Export, &PathBuf, &results::Format)| {

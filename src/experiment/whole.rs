@@ -81,18 +81,23 @@ mod tests {
 
     #[test]
     fn a_run_in_slices_has_the_result_and_the_counts_of_one_on_threads() {
+        let mut ran = 0;
         let clip = Source::synth("pillar,width=128,height=96").unwrap().open(&Open::default()).unwrap().clip;
         for estimator in estimators() {
+            let id = estimator.info().id;
+            // Few cannot run on any clip: one wants two views, others a region or a model.
             let Ok(run) = estimator.run_counted(&clip, 0, &Threads::all().unwrap()) else { continue };
             let (sliced, _) = work::finish(finished(|| estimator.begin_counted(&clip, 0))).unwrap();
             let sliced = sliced.summary();
             // A state that can be stepped may keep more than one that is run at once.
             let [counted, wanted] = [&sliced, &run].map(|ran| (ran.extent.units, ran.extent.events));
-            assert_eq!(counted, wanted, "{}", estimator.info().id);
-            assert!(sliced.extent.memory_bytes >= run.extent.memory_bytes, "{}", estimator.info().id);
-            assert_eq!(sliced.output.displacements(), run.output.displacements());
+            assert_eq!(counted, wanted, "{id}");
+            let [bytes, least] = [&sliced, &run].map(|ran| ran.extent.memory_bytes);
+            assert!(if estimator.tests_candidates() { bytes == least } else { bytes >= least }, "{id}: {bytes}");
             let (plain, _) = work::finish(finished(|| estimator.begin(&clip, 0))).unwrap();
-            assert_eq!(plain.output().displacements(), run.output.displacements());
+            assert!(sliced.output == run.output && plain.output() == run.output, "{id}");
+            ran += 1;
         }
+        assert!(ran >= 60, "{ran} ran");
     }
 }

@@ -700,7 +700,7 @@ fn what_comes_from_elsewhere_asks_before_it_opens_files_outside_its_folder() {
     fs::create_dir(&theirs).expect("a folder");
     let source = motionscope::experiment::source::Source::parse("synth:translation,width=64,height=48,frames=3");
     let clip = source.and_then(|source| source.open(&Default::default())).expect("a clip").clip;
-    motionscope::media::export::clip(&clip, &other, None).expect("a clip in a folder");
+    motionscope::work::finish(motionscope::media::export::clip(&clip, &other, None)).expect("a clip in a folder");
     let keys = "clip = \"../other\"\nestimator = \"diamond\"\n";
     for (name, text) in [
         ("a.motionscope", format!("motionscope = 1\n{keys}")),

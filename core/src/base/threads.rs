@@ -95,7 +95,10 @@ impl Threads {
             return parts.map(f).collect();
         }
         let parts: Vec<_> = parts.map(|part| Mutex::new(Some(part))).collect();
-        let results = self.map(parts.len(), |i| locked(&parts[i]).take().map(&f));
+        let results = self.map(parts.len(), |i| {
+            let part = locked(&parts[i]).take();
+            part.map(&f)
+        });
         results.into_iter().flatten().collect()
     }
 
@@ -110,7 +113,10 @@ impl Threads {
             None => parts.into_iter().for_each(f),
             Some(pool) => {
                 let parts: Vec<_> = parts.into_iter().map(|part| Mutex::new(Some(part))).collect();
-                spread(pool, parts.len(), &|i| locked(&parts[i]).take().into_iter().for_each(&f));
+                spread(pool, parts.len(), &|i| {
+                    let part = locked(&parts[i]).take();
+                    part.into_iter().for_each(&f);
+                });
             }
         }
     }
@@ -168,7 +174,7 @@ impl Threads {
     }
 }
 
-/// Has `work` done for 0, 1, … `n − 1` by the threads of a pool, in any order. It is compiled once for all kinds of work.
+/// Calls `work` with 0, 1, … `n − 1` on the pool, in any order. A trait object, so that the pool's code is compiled once.
 fn spread(pool: &rayon::ThreadPool, n: usize, work: &(dyn Fn(usize) + Sync)) {
     pool.install(|| (0..n).into_par_iter().with_max_len(1).for_each(work));
 }

@@ -1,9 +1,8 @@
 //! What questions hold to be true, against the results of whole runs.
 
-use crate::common;
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::common::{clip_of, set};
+use crate::common::{self, clip_of, set};
 use motionscope_core::base::Threads;
 use motionscope_core::course::estimators;
 use motionscope_core::course::examples::{self, Example};

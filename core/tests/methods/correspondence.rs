@@ -1,7 +1,6 @@
 //! SIFT, matching, global motion and epipolar geometry against plain references, a recorded peer and exactly known motion.
 
-use crate::common;
-use crate::common::set;
+use crate::common::{self, set};
 use motionscope_core::base::Threads;
 use motionscope_core::data::{Clip, Frame};
 use motionscope_core::geometry::Grid;

@@ -1,10 +1,9 @@
 //! Trackers that weigh several explanations of the detections, against plain references that enumerate all of them.
 
-use crate::common;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::common::{Objects, numbers};
+use crate::common::{self, Objects, numbers};
 use crate::crossing::{Dice, HEIGHT, OF_CROSSING, PICTURE, SEEDS, crossing, crossings, found, rows, run, scored};
 use motionscope_core::base::Error;
 use motionscope_core::data::{Clip, ObjectBox};

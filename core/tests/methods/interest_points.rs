@@ -1,7 +1,6 @@
 //! Detectors of interest points against plain references, against OpenCV's figures, and under rotation and gain.
 
-use crate::common;
-use crate::common::set;
+use crate::common::{self, set};
 use motionscope_core::base::Threads;
 use motionscope_core::data::{Clip, Frame};
 use motionscope_core::geometry::{Gray, Grid};

@@ -1,7 +1,6 @@
 //! The Kalman filter on one object, as it runs through clips.
 
-use crate::common;
-use crate::common::set;
+use crate::common::{self, set};
 use motionscope_core::base::Threads;
 use motionscope_core::data::{Clip, Detection, Frame};
 use motionscope_core::geometry::{Bounds, Grid};

@@ -1,10 +1,9 @@
 //! The Kalman tracker on detections made for one question each.
 
-use crate::common;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::common::set;
+use crate::common::{self, set};
 use motionscope_core::base::{Error, Stop, Threads};
 use motionscope_core::data::{Clip, Detection, Flow, ObjectBox, Truth};
 use motionscope_core::geometry::Bounds;

@@ -1,9 +1,8 @@
 //! Motion segmentation: true and estimated flow of rigid layers, a plain reference, and what it cannot do.
 
-use crate::common;
 use std::sync::Arc;
 
-use crate::common::{fact, set};
+use crate::common::{self, fact, set};
 use motionscope_core::base::{Error, Threads};
 use motionscope_core::course::{estimator, estimators};
 use motionscope_core::data::{Clip, Flow, Frame, Truth};

@@ -1,10 +1,9 @@
 //! Trackers of one region, held to their definitions on small clips, and to what they say of the scenes that break them.
 
-use crate::common;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use crate::common::{Objects, set, tile};
+use crate::common::{self, Objects, set, tile};
 use motionscope_core::base::Threads;
 use motionscope_core::data::{Clip, Frame, ObjectBox};
 use motionscope_core::geometry::{Bounds, Grid};

@@ -1,7 +1,6 @@
 //! Phase correlation and image alignment against plain sums, on known motion, and on input that does not suit them.
 
-use crate::common;
-use crate::common::{SIZE, error, linear_motion, moving, set, waves};
+use crate::common::{self, SIZE, error, linear_motion, moving, set, waves};
 use motionscope_core::base::Threads;
 use motionscope_core::data::{Clip, Flow, Frame};
 use motionscope_core::geometry::Grid;

@@ -1,9 +1,8 @@
 //! Stereo against its definitions, written down plainly, against exact truth, and where it fails.
 
-use crate::common;
 use std::sync::Arc;
 
-use crate::common::set;
+use crate::common::{self, set};
 use motionscope_core::base::Threads;
 use motionscope_core::course::estimators;
 use motionscope_core::data::{Calibration, Clip, Disparity, Frame};

@@ -6,13 +6,14 @@ use motionscope_core::base::Error;
 use motionscope_core::data::{Calibration, Clip, Frame, PixelClass, TrueMask, Truth, Viewpoint};
 use motionscope_core::geometry::Grid;
 
-use super::save::not_made;
+use super::save::{NewFolder, not_made};
 use super::written_files::WrittenFiles;
-use super::{Pixels, fill_folder, flo, make_folder, mot, pfm, png, save};
+use super::{Pixels, flo, make_folder, mot, pfm, png, save};
 use crate::files::{self, temporary};
 use crate::media::Progress;
 use crate::media::names::file_name;
 use crate::media::sequence::{Sequence, number};
+use crate::work;
 
 /// Writes `clip` into `folder`: `frame_0000.png` …, and what is known about it as `flow/frame_0000.flo` …,
 /// `occ/frame_0000.png` …, `foreground/frame_0000.png` …, `disparity/frame_0000.pfm` … and `gt.txt`, and of a second view
@@ -22,16 +23,19 @@ use crate::media::sequence::{Sequence, number};
 /// # Errors
 /// If a frame cannot be decoded, a file cannot be written, the folder holds other pictures or files by these names, or
 /// the work was cancelled. The folder is then as it was, unless the disk failed while files were moved into place.
-pub fn clip(clip: &Clip, folder: &Path, progress: Option<&dyn Progress>) -> Result<(), Error> {
+pub async fn clip(clip: &Clip, folder: &Path, progress: Option<&dyn Progress>) -> Result<(), Error> {
     let name = &clip.info().name;
     let Some(frames) = clip.info().frames else {
         return Err(Error::new(format!("{name} cannot be written: count its frames first")));
     };
-    fill_folder(folder, || fill(clip, frames, folder, progress))
+    let made = NewFolder::make(folder)?;
+    fill(clip, frames, folder, progress).await?;
+    made.keep();
+    Ok(())
 }
 
 /// Writes all `frames` of `clip` into `folder`, which is there.
-fn fill(clip: &Clip, frames: usize, folder: &Path, progress: Option<&dyn Progress>) -> Result<(), Error> {
+async fn fill(clip: &Clip, frames: usize, folder: &Path, progress: Option<&dyn Progress>) -> Result<(), Error> {
     let name = &clip.info().name;
     refuse_other_pictures(folder, frames)?;
     let before = WrittenFiles::read(folder);
@@ -44,6 +48,7 @@ fn fill(clip: &Clip, frames: usize, folder: &Path, progress: Option<&dyn Progres
             }
             progress.report(t as f32 / frames as f32);
         }
+        work::breathe().await;
         let [picture, right, known @ ..] = names(t);
         draft.put(&picture, &frame(&*clip.frame(t)?)?)?;
         if clip.right().is_some() {
@@ -219,6 +224,10 @@ mod tests {
 
     use super::*;
     use crate::media::{Open, open};
+
+    fn clip(clip: &Clip, folder: &Path, progress: Option<&dyn Progress>) -> Result<(), Error> {
+        work::finish(super::clip(clip, folder, progress))
+    }
 
     /// The first synthetic clip with objects in it.
     fn made(frames: usize) -> Clip {

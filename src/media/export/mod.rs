@@ -19,7 +19,7 @@ pub use clip::{clip, frame};
 pub use disparity::{kitti_disparity, kitti_disparity_result, pfm};
 pub use flo::flo;
 pub use guard::{Conflict, InputKind, Inputs, Target, check};
-pub use h264::{DOC as VIDEO, video};
+pub use h264::{MP4_DESCRIPTION, video};
 pub use kitti::{Kitti, kitti, kitti_result};
 pub(crate) use mark::is_result;
 pub use mark::save_result;

@@ -69,14 +69,37 @@ pub fn make_folder(folder: &Path) -> Result<(), Error> {
 /// # Errors
 /// If it cannot be made, and those of `fill`.
 pub fn fill_folder<T>(folder: &Path, fill: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
-    let made: Vec<&Path> =
-        folder.ancestors().take_while(|folder| !folder.as_os_str().is_empty() && !files::exists(folder)).collect();
-    let filled = make_folder(folder).and_then(|()| fill());
-    if filled.is_err() {
-        // From the innermost outwards, up to the first that has something in it.
-        let _ = made.into_iter().try_for_each(files::remove_dir);
+    let made = NewFolder::make(folder)?;
+    let filled = fill()?;
+    made.keep();
+    Ok(filled)
+}
+
+/// A folder that goes again when it is dropped, with those that were made for it, if they are empty.
+pub(super) struct NewFolder<'a>(Vec<&'a Path>);
+
+impl<'a> NewFolder<'a> {
+    /// Makes a folder as [`make_folder`] does.
+    ///
+    /// # Errors
+    /// If it cannot be made.
+    pub fn make(folder: &'a Path) -> Result<Self, Error> {
+        let is_missing = |folder: &&Path| !folder.as_os_str().is_empty() && !files::exists(folder);
+        let made = Self(folder.ancestors().take_while(is_missing).collect());
+        make_folder(folder).map(|()| made)
     }
-    filled
+
+    /// Keeps it.
+    pub fn keep(mut self) {
+        self.0.clear();
+    }
+}
+
+impl Drop for NewFolder<'_> {
+    fn drop(&mut self) {
+        // From the innermost outwards, up to the first that has something in it.
+        let _ = self.0.drain(..).try_for_each(files::remove_dir);
+    }
 }
 
 /// Why a folder cannot be made.

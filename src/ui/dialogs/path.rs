@@ -139,7 +139,7 @@ impl PathField {
         // Tab is the field's own while there is something to complete.
         let response = ui.add(field.lock_focus(completes)).accessible_name(name);
         if !self.is_focused {
-            // Behind the field: in its dialog's first pass that cannot have it yet, and a click elsewhere takes it.
+            // After the field: it cannot have focus in the dialog's first pass, and a click elsewhere takes focus from it.
             response.request_focus();
         }
         self.is_focused |= had_focus;

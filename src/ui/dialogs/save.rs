@@ -12,7 +12,7 @@ use super::path::PathField;
 use crate::experiment::Prepared;
 use crate::experiment::source::Source;
 use crate::files::{self, IN_PAGE, download};
-use crate::media::export::{AnimationFormat, Inputs, Timing, VIDEO};
+use crate::media::export::{AnimationFormat, Inputs, MP4_DESCRIPTION, Timing};
 use crate::media::names;
 use crate::paint::{Freehand, Theme, grouped};
 use crate::results::{self, Export};
@@ -97,7 +97,7 @@ impl Kind {
                 let is_copied =
                     subject.clip.info().container == Y4M && matches!(subject.experiment.source, Source::File(_));
                 let copied = is_copied.then(|| choice(Y4M, "Uncompressed video in one file, the frames as they came"));
-                let video = choice(MP4, VIDEO);
+                let video = choice(MP4, MP4_DESCRIPTION);
                 copied.into_iter().chain([numbered, video]).collect()
             }
             Kind::Handout | Kind::Worksheet => vec![choice("pdf", "PDF, sheets of paper in A4")],

@@ -120,7 +120,7 @@ pub async fn clip(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> R
     match (order.what, &experiment.source) {
         (OutputKind::Clip(ClipFormat::Copy), Source::File(from)) => export::copy(from, path).await?,
         (OutputKind::Clip(ClipFormat::Video), _) => export::video(clip, path, Some(progress)).await?,
-        _ => export::clip(clip, path, Some(progress))?,
+        _ => export::clip(clip, path, Some(progress)).await?,
     }
     let padded = match order.what {
         OutputKind::Clip(ClipFormat::Video) => padded(clip.size()),

@@ -41,17 +41,21 @@ pub struct Browser {
 }
 
 impl Browser {
-    /// Starts the browser when its turn comes.
+    /// Starts the browser when its turn comes, with few pixels: a processor draws them.
     pub fn start() -> Self {
+        Self::with_pixels_per_point(0.5)
+    }
+
+    /// Starts the browser when its turn comes, with this many pixels per point, and at least one if screenshots are wanted.
+    pub fn with_pixels_per_point(pixels_per_point: f64) -> Self {
+        let least = if std::env::var_os("SCREENSHOTS").is_some() { 1.0 } else { 0.0 };
         let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
         let profile = tempfile::tempdir().expect("a folder for the profile");
         let is_installed = |name: &&str| Command::new(name).arg("--version").output().is_ok();
         let name = ["chromium", "google-chrome"].into_iter().find(is_installed);
         let mut command = Command::new(name.expect("chromium is installed (Debian: apt-get install chromium)"));
         command.args(FLAGS).arg(format!("--user-data-dir={}", profile.path().display()));
-        // Few pixels, which a processor has to draw, unless someone is to look at them.
-        let pixels_per_point = if std::env::var_os("SCREENSHOTS").is_some() { "1" } else { "0.5" };
-        command.arg(format!("--force-device-scale-factor={pixels_per_point}"));
+        command.arg(format!("--force-device-scale-factor={}", pixels_per_point.max(least)));
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
         let process = command.spawn().expect("chromium starts");
         let (port, path) = debugging_port(profile.path());

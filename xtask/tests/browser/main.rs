@@ -40,7 +40,7 @@ fn open(browser: &mut Browser, server: &Server, link: &str) -> Tab {
 
 #[test]
 fn the_start_page_appears() {
-    let (server, mut browser) = (serve("/"), Browser::start());
+    let (server, mut browser) = (serve("/"), Browser::with_pixels_per_point(1.0));
     let mut tab = open(&mut browser, &server, "");
     tab.wait("the start page", |shown| shown.is_start() && !shown.is_busy());
     assert_eq!(tab.evaluate("document.getElementById('loading').hidden"), json!(true));
@@ -72,7 +72,7 @@ fn a_clip_opens_by_keyboard_and_its_estimator_steps() {
 
 #[test]
 fn a_lesson_opens_by_link_and_steps_by_keyboard() {
-    let (server, mut browser) = (serve("/"), Browser::start());
+    let (server, mut browser) = (serve("/"), Browser::with_pixels_per_point(1.0));
     let mut tab = open(&mut browser, &server, "#lesson:kalman-filter/1");
     tab.wait("the page of the lesson", |shown| shown.text("lesson") == "kalman-filter/1" && !shown.is_busy());
     tab.screenshot("lesson");
@@ -308,9 +308,9 @@ fn a_step_says_the_same_as_on_a_desktop() {
     assert!(differing.is_empty(), "{}", differing.join("\n"));
 }
 
-/// A file with this ending that is downloaded into a folder, and taken away; `ask` is called again and again until it is there.
+/// Waits for a download with this ending and removes it from its folder; `ask` is called every 300 ms until then.
 fn downloaded(tab: &mut Tab, (folder, ending): (&Path, &str), ask: impl Fn(&mut Tab, usize)) -> Vec<u8> {
-    for attempt in 0..150 {
+    for attempt in 0..300 {
         ask(tab, attempt);
         std::thread::sleep(Duration::from_millis(300));
         let files: Vec<_> = std::fs::read_dir(folder).expect("the folder of downloads").flatten().collect();
@@ -334,13 +334,21 @@ fn exported(tab: &mut Tab, folder: &Path) -> Vec<u8> {
     })
 }
 
-/// The gray levels of all frames of a video.
-fn levels(video: &Path) -> Vec<u8> {
+/// Frames of a video with their planes Y, U and V, of this size in px.
+fn frames(video: &Path, (width, height): (usize, usize)) -> Vec<Vec<u8>> {
     let mut command = Command::new("ffmpeg");
-    command.args(["-v", "error", "-i"]).arg(video).args(["-f", "rawvideo", "-pix_fmt", "gray", "pipe:1"]);
+    command.args(["-v", "error", "-i"]).arg(video).args(["-f", "rawvideo", "-pix_fmt", "yuv420p", "pipe:1"]);
     let output = command.output().expect("ffmpeg is installed");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    output.stdout
+    output.stdout.chunks(width * height * 3 / 2).map(<[u8]>::to_vec).collect()
+}
+
+/// Size and rate of a video as ffprobe prints them, and the names of its colours.
+fn probed(video: &Path) -> String {
+    let entries = "stream=codec_name,width,height,avg_frame_rate,color_range,color_space";
+    let mut command = Command::new("ffprobe");
+    command.args(["-v", "error", "-of", "csv=p=0", "-show_entries", entries]).arg(video);
+    String::from_utf8(command.output().expect("ffprobe is installed").stdout).expect("text")
 }
 
 #[test]
@@ -350,10 +358,11 @@ fn an_exported_video_shows_what_that_of_a_desktop_shows() {
     let mut tab = open(&mut browser, &server, "#synth:pillar&estimator=diamond");
     tab.call("Browser.setDownloadBehavior", json!({ "behavior": "allow", "downloadPath": folder.path() }));
     tab.wait("diamond search", |shown| shown.text("estimator") == "diamond" && !shown.is_busy());
-    let video = downloaded(&mut tab, (folder.path(), "mp4"), |tab, attempt| match attempt % 20 {
+    // Once: a second video would be another download.
+    let video = downloaded(&mut tab, (folder.path(), "mp4"), |tab, attempt| match attempt {
         0 => tab.press_ctrl("E"),
-        4 => tab.click(MP4),
-        8 => tab.press("Enter"),
+        6 => tab.click(MP4),
+        12 => tab.press("Enter"),
         _ => {}
     });
     let [from_page, from_desktop] = ["page.mp4", "desktop.mp4"].map(|name| folder.path().join(name));
@@ -361,14 +370,33 @@ fn an_exported_video_shows_what_that_of_a_desktop_shows() {
     let steps = ["export", "synth:pillar", "--estimator", "diamond", "--steps", "1.1..1"];
     let look = ["--theme", "light", "--scale", "2", "--legend", "--rate", "8", "--animation"];
     desktop(&[&steps[..], &look, &[from_desktop.to_str().expect("a path")]].concat());
-    let [found, wanted] = [&from_page, &from_desktop].map(|video| levels(video));
-    assert_eq!(found.len(), wanted.len(), "as many pictures of the same size");
-    let far: u64 = found.iter().zip(&wanted).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
-    let mean = far as f64 / found.len() as f64;
-    assert!(mean < 1.5, "gray levels differ by {mean} on average");
+    assert_eq!(probed(&from_page), probed(&from_desktop));
+    assert_eq!(probed(&from_page).trim(), "h264,1360,712,tv,bt709,16/1");
+    let [found, wanted] = [&from_page, &from_desktop].map(|video| frames(video, (1360, 712)));
+    assert_eq!(found.len(), wanted.len(), "as many pictures");
+    for (t, (found, wanted)) in found.iter().zip(&wanted).enumerate() {
+        let far: u64 = found.iter().zip(wanted).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
+        let mean = far as f64 / found.len() as f64;
+        assert!(mean < 1.5, "frame {t} differs by {mean} on average");
+    }
 }
 
-/// Whole numbers alone decide what block searches draw.
+#[test]
+fn video_without_an_encoder_is_refused_with_what_to_do() {
+    let (server, mut browser) = (serve("/"), Browser::start());
+    let mut tab = Tab::new(&mut browser);
+    tab.prepare("delete globalThis.VideoEncoder");
+    tab.open(&format!("{}#synth:pillar&estimator=diamond", server.address()));
+    tab.wait("diamond search", |shown| shown.text("estimator") == "diamond" && !shown.is_busy());
+    tab.press_ctrl("E");
+    std::thread::sleep(Duration::from_secs(2));
+    tab.click(MP4);
+    std::thread::sleep(Duration::from_secs(1));
+    tab.press("Enter");
+    let shown = tab.wait("a sentence", |shown| !shown.text("message").is_empty());
+    assert!(shown.text("message").contains("save as .gif"), "{shown:?}");
+}
+
 #[test]
 fn an_exported_picture_is_that_of_a_desktop() {
     let (server, mut browser) = (serve("/"), Browser::start());
@@ -428,6 +456,7 @@ fn a_tab_that_slept_goes_on_with_its_work() {
     tab.call("Page.setWebLifecycleState", json!({ "state": "frozen" }));
     assert!(tab.shown().is_some_and(|shown| shown.is_busy()), "it was at work");
     std::thread::sleep(Duration::from_secs(2));
+    assert!(tab.shown().is_some_and(|shown| shown.is_busy()), "it did not work while it slept");
     tab.call("Page.setWebLifecycleState", json!({ "state": "active" }));
     // A tab that was frozen stays hidden until a person comes back to it from another one.
     let _other = Tab::new(&mut browser);
@@ -448,7 +477,7 @@ fn it_works_below_a_path_and_without_the_server() {
 
 #[test]
 fn a_phone_shows_a_lesson_and_steps_by_touch() {
-    let (server, mut browser) = (serve("/"), Browser::start());
+    let (server, mut browser) = (serve("/"), Browser::with_pixels_per_point(2.0));
     let mut tab = Tab::new(&mut browser);
     tab.resize([390, 844], true);
     tab.open(&format!("{}#lesson:kalman-filter/3", server.address()));

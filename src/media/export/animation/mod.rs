@@ -78,7 +78,7 @@ impl AnimationFormat {
             Self::Gif => "GIF, 256 colours, plays everywhere",
             Self::Apng => "Animated PNG, exact colours, plays in browsers",
             Self::WebP => "Animated WebP, exact colours, smaller than PNG",
-            Self::Mp4 => h264::DOC,
+            Self::Mp4 => h264::MP4_DESCRIPTION,
         }
     }
 }
@@ -173,7 +173,7 @@ impl Reel {
     /// Encodes the animation; it plays again and again.
     ///
     /// # Errors
-    /// If there is no picture, it is too large for the format, ffmpeg is needed and missing, or the work was cancelled.
+    /// If there is no picture, it is too large for the format, the video cannot be encoded, or the work was cancelled.
     pub async fn encode(&self, format: AnimationFormat, progress: Option<&dyn Progress>) -> Result<Vec<u8>, Error> {
         if self.steps.is_empty() {
             return Err(Error::new("there is no step to animate"));
@@ -217,9 +217,9 @@ struct Shots<'a> {
     progress: Option<&'a dyn Progress>,
     /// The time of the picture of a step, and of one between two steps.
     times_s: [f64; 2],
-    /// How many pictures were given.
-    given: usize,
-    /// The step of the last picture, and the one after it.
+    /// Number of pictures returned.
+    index: usize,
+    /// The picture of the current step, and that of the next one.
     pair: [RgbImage; 2],
 }
 
@@ -227,19 +227,19 @@ impl<'a> Shots<'a> {
     /// The pictures of `reel` with their times in a file of this `format`.
     fn new(reel: &'a Reel, format: AnimationFormat, progress: Option<&'a dyn Progress>) -> Self {
         let times_s = reel.timing.times_s(format.least_s());
-        Self { reel, progress, times_s, given: 0, pair: Default::default() }
+        Self { reel, progress, times_s, index: 0, pair: Default::default() }
     }
 
-    /// Returns the next picture, or none behind the last one.
+    /// Returns the next picture, or `None` after the last.
     ///
     /// # Errors
     /// If a step cannot be read back or the work was cancelled.
     async fn next(&mut self) -> Result<Option<Shot>, Error> {
         let count = self.reel.shots();
-        if let Some(progress) = self.progress.filter(|_| self.given > 0) {
-            progress.report(self.given as f32 / count as f32);
+        if let Some(progress) = self.progress.filter(|_| self.index > 0) {
+            progress.report(self.index as f32 / count as f32);
         }
-        if self.given == count {
+        if self.index == count {
             return Ok(None);
         }
         if self.progress.is_some_and(|progress| progress.cancelled()) {
@@ -247,18 +247,19 @@ impl<'a> Shots<'a> {
         }
         work::breathe().await;
         let ([step_s, between_s], of_step) = (self.times_s, 1 + self.reel.timing.between as usize);
-        let (step, part) = (self.given / of_step, self.given % of_step);
+        let (step, part) = (self.index / of_step, self.index % of_step);
         if part == 0 {
             self.turn_to(step)?;
         }
         let picture = match u32::try_from(part) {
             Ok(part @ 1..) => blend([&self.pair[0], &self.pair[1]], self.reel.weight(part)),
+            _ if self.reel.timing.between == 0 => std::mem::take(&mut self.pair[0]),
             _ => self.pair[0].clone(),
         };
-        self.given += 1;
+        self.index += 1;
         let begin_s = step as f64 / self.reel.timing.rate();
         let (from_s, for_s) = match part {
-            0 if self.given == count => (begin_s, step_s.max(LAST_S)),
+            0 if self.index == count => (begin_s, step_s.max(LAST_S)),
             0 => (begin_s, step_s),
             _ => (begin_s + step_s + (part - 1) as f64 * between_s, between_s),
         };

@@ -21,9 +21,7 @@ pub async fn encode(reel: &Reel, progress: Option<&dyn Progress>) -> Result<Vec<
         .encode(progress, async |pipe: &mut Pipe<'_>| {
             let mut shots = Shots::new(reel, AnimationFormat::Mp4, progress);
             while let Some(shot) = shots.next().await? {
-                for _ in 0..shot.ticks(rate_hz) {
-                    pipe.put(shot.picture.as_raw()).await?;
-                }
+                pipe.put(shot.picture.as_raw(), shot.ticks(rate_hz)).await?;
             }
             Ok(())
         })

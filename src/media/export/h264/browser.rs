@@ -1,35 +1,37 @@
 //! Encodes by the browser (WebCodecs). web-sys declares it only behind an unstable flag of the compiler.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::path::Path;
 use std::rc::Rc;
 
 use js_sys::{Object, Promise, Reflect, Uint8Array};
 use motionscope_core::base::Error;
 use wasm_bindgen::prelude::*;
-use wasm_bindgen_futures::JsFuture;
+use wasm_bindgen_futures::{JsFuture, spawn_local};
 use web_time::Duration;
 use yuv::YuvStandardMatrix;
 
+use super::Video;
 use super::level::codecs;
 use super::mux::{Picture, Stream};
-use super::{Video, ratio};
 use crate::files;
 use crate::media::export::save::cannot_write;
-use crate::media::javascript::{message, object};
+use crate::media::javascript::{has_codec, message, object, supports};
 use crate::media::{Progress, planes};
 use crate::work::Signal;
 
-/// Pictures that wait in the encoder at most.
+/// Maximum number of pictures queued in the encoder.
 const MOST_WAITING: u32 = 4;
-/// Time for which the encoder may take nothing.
+/// Longest silence of the encoder.
 const PATIENCE: Duration = Duration::from_secs(60);
 /// How often a cancellation is noticed.
 const POLL: Duration = Duration::from_millis(200);
-/// A picture after so many can be decoded without those before it.
+/// Pictures from one key frame to the next.
 const KEY_INTERVAL: usize = 60;
-/// Bits of a pixel at a constant rate factor of 16, so that words and thin lines stay sharp; 6 more halve them.
+/// Bits per pixel at a constant rate factor of 16, so that words and thin lines stay sharp; each 6 more halve them.
 const BITS_PER_PIXEL: f64 = 0.4;
+/// Largest video, because a page holds it in memory.
+const MOST_BYTES: usize = 256 << 20;
 /// µs in a second.
 const US: f64 = 1e6;
 
@@ -38,8 +40,6 @@ extern "C" {
     type VideoEncoder;
     #[wasm_bindgen(constructor, catch)]
     fn new(callbacks: &Object) -> Result<VideoEncoder, JsValue>;
-    #[wasm_bindgen(static_method_of = VideoEncoder, js_name = isConfigSupported, catch)]
-    fn is_config_supported(config: &Object) -> Result<Promise, JsValue>;
     #[wasm_bindgen(method, catch)]
     fn configure(this: &VideoEncoder, config: &Object) -> Result<(), JsValue>;
     #[wasm_bindgen(method, catch)]
@@ -62,38 +62,53 @@ extern "C" {
     type EncodedVideoChunk;
     #[wasm_bindgen(method, getter, js_name = type)]
     fn kind(this: &EncodedVideoChunk) -> String;
+    #[wasm_bindgen(method, getter)]
+    fn timestamp(this: &EncodedVideoChunk) -> f64;
     #[wasm_bindgen(method, getter, js_name = byteLength)]
     fn byte_length(this: &EncodedVideoChunk) -> u32;
     #[wasm_bindgen(method, js_name = copyTo, catch)]
     fn copy_to(this: &EncodedVideoChunk, buffer: &Uint8Array) -> Result<(), JsValue>;
 }
 
-/// What the encoder has given.
+/// Output of the encoder so far.
 #[derive(Default)]
-struct Given {
+struct EncoderOutput {
     pictures: RefCell<Vec<Picture>>,
+    bytes: Cell<usize>,
     configuration: RefCell<Vec<u8>>,
-    failure: RefCell<Option<String>>,
+    /// How it ended: all pictures are encoded, or why not.
+    end: RefCell<Option<Result<(), String>>>,
     changed: Signal,
 }
 
-impl Given {
-    fn take(&self, chunk: &EncodedVideoChunk, about: &JsValue) -> Result<(), JsValue> {
+impl EncoderOutput {
+    fn take(&self, chunk: &EncodedVideoChunk, metadata: &JsValue, rate_hz: f64) -> Result<(), JsValue> {
+        self.bytes.set(self.bytes.get() + chunk.byte_length() as usize);
+        if self.bytes.get() > MOST_BYTES {
+            let most = MOST_BYTES >> 20;
+            let why = format!("it is larger than {most} MiB; save fewer frames, or use the desktop edition");
+            self.end(Err(why));
+            return Ok(());
+        }
         let bytes = Uint8Array::new_with_length(chunk.byte_length());
         chunk.copy_to(&bytes)?;
-        let picture = Picture { bytes: bytes.to_vec(), is_key: chunk.kind() == "key" };
+        let number = (chunk.timestamp() * rate_hz / US).round() as usize;
+        let picture = Picture { bytes: bytes.to_vec(), is_key: chunk.kind() == "key", number };
         self.pictures.borrow_mut().push(picture);
-        let config = Reflect::get(about, &"decoderConfig".into())?;
-        if config.is_object() {
-            let description = Reflect::get(&config, &"description".into())?;
-            *self.configuration.borrow_mut() = Uint8Array::new(&description).to_vec();
+        if metadata.is_object() {
+            let config = Reflect::get(metadata, &"decoderConfig".into())?;
+            if config.is_object() {
+                let description = Reflect::get(&config, &"description".into())?;
+                *self.configuration.borrow_mut() = Uint8Array::new(&description).to_vec();
+            }
         }
         self.changed.notify();
         Ok(())
     }
 
-    fn fail(&self, error: &JsValue) {
-        self.failure.borrow_mut().get_or_insert_with(|| message(error));
+    /// Notes the end; the first one counts.
+    fn end(&self, end: Result<(), String>) {
+        self.end.borrow_mut().get_or_insert(end);
         self.changed.notify();
     }
 }
@@ -103,85 +118,95 @@ pub(in crate::media::export) struct Pipe<'a> {
     video: &'a Video,
     progress: Option<&'a dyn Progress>,
     /// Width and height in px, even, as the chroma needs them.
-    size: (u32, u32),
+    size: [u16; 2],
     encoder: VideoEncoder,
-    given: Rc<Given>,
-    /// How many pictures it was given.
-    count: usize,
+    output: Rc<EncoderOutput>,
+    pictures_put: usize,
 }
 
 impl<'a> Pipe<'a> {
     async fn new(video: &'a Video, progress: Option<&'a dyn Progress>) -> Result<Self, Error> {
-        let size = video.size.map(|side| side.next_multiple_of(2) as u32);
-        let absent = || video.failed(&format!("this browser encodes no H.264 of this size; {} instead", video.instead));
-        let config = video.configuration(size).await.ok_or_else(absent)?;
-        let given = Rc::<Given>::default();
-        // The browser owns them, since it may call them once more after the encoder is closed.
-        let theirs = Rc::clone(&given);
-        let output = Closure::<dyn FnMut(EncodedVideoChunk, JsValue)>::new(move |chunk, about| {
-            theirs.take(&chunk, &about).unwrap_or_else(|error| theirs.fail(&error));
+        let instead = video.instead;
+        if !has_codec("VideoEncoder") {
+            let why = format!("it needs HTTPS and a browser with WebCodecs; {instead} instead");
+            return Err(video.failed(&why));
+        }
+        let absent = || video.failed(&format!("this browser encodes no H.264 of this size; {instead} instead"));
+        let [width, height] = video.size.map(|side| u16::try_from(side.next_multiple_of(2)));
+        let (Ok(width), Ok(height)) = (width, height) else { return Err(absent()) };
+        let config = video.configuration([width, height]).await.ok_or_else(absent)?;
+        let output = Rc::<EncoderOutput>::default();
+        // The browser owns the callbacks, since it may call them once more after the encoder is closed.
+        let (shared, rate_hz) = (Rc::clone(&output), video.rate_hz);
+        let take = Closure::<dyn FnMut(EncodedVideoChunk, JsValue)>::new(move |chunk, metadata| {
+            shared.take(&chunk, &metadata, rate_hz).unwrap_or_else(|error| shared.end(Err(message(&error))));
         });
-        let theirs = Rc::clone(&given);
-        let error = Closure::<dyn FnMut(JsValue)>::new(move |error| theirs.fail(&error)).into_js_value();
-        let theirs = Rc::clone(&given);
-        let dequeue = Closure::<dyn FnMut()>::new(move || theirs.changed.notify()).into_js_value();
-        let callbacks = object([("output", output.into_js_value()), ("error", error)]);
+        let shared = Rc::clone(&output);
+        let fail = Closure::<dyn FnMut(JsValue)>::new(move |error| shared.end(Err(message(&error))));
+        let shared = Rc::clone(&output);
+        let dequeue = Closure::<dyn FnMut()>::new(move || shared.changed.notify()).into_js_value();
+        let callbacks = object([("output", take.into_js_value()), ("error", fail.into_js_value())]);
         let begin = || {
             let encoder = VideoEncoder::new(&callbacks)?;
             encoder.set_ondequeue(&dequeue);
             encoder.configure(&config).map(|()| encoder)
         };
         let encoder = begin().map_err(|error| video.failed(&message(&error)))?;
-        Ok(Self { video, progress, size: size.into(), encoder, given, count: 0 })
+        Ok(Self { video, progress, size: [width, height], encoder, output, pictures_put: 0 })
     }
 
-    /// Appends a picture: rows of RGB.
+    /// Appends a picture `times` times: rows of RGB.
     ///
     /// # Errors
     /// If the browser fails or the work was cancelled.
-    pub async fn put(&mut self, rgb: &[u8]) -> Result<(), Error> {
-        let (width, height) = self.size;
-        let rgba = padded(rgb, self.video.size, self.size);
-        let planes = planes::yuv420(&rgba, self.size, YuvStandardMatrix::Bt709);
+    pub async fn put(&mut self, rgb: &[u8], times: u32) -> Result<(), Error> {
+        let size = self.size.map(u32::from);
+        let rgba = padded(rgb, self.video.size, size);
+        let planes = planes::yuv420(&rgba, size.into(), YuvStandardMatrix::Bt709);
         let planes = planes.ok_or_else(|| self.video.failed(&"a picture has another size"))?;
-        let space = [("primaries", "bt709"), ("transfer", "bt709"), ("matrix", "bt709")];
-        let space = object(space.map(|(key, value)| (key, value.into())));
-        drop(Reflect::set(&space, &"fullRange".into(), &false.into()));
-        let init = object([
-            ("format", "I420".into()),
-            ("codedWidth", width.into()),
-            ("codedHeight", height.into()),
-            ("timestamp", (self.count as f64 * US / self.video.rate_hz).round().into()),
-            ("duration", (US / self.video.rate_hz).round().into()),
-            ("colorSpace", space.into()),
-        ]);
-        self.settled(|encoder| encoder.encode_queue_size() < MOST_WAITING).await?;
-        let encode = || {
-            let frame = VideoFrame::new(&Uint8Array::from(planes.as_slice()), &init)?;
-            let options = object([("keyFrame", self.count.is_multiple_of(KEY_INTERVAL).into())]);
-            let encoded = self.encoder.encode(&frame, &options);
-            frame.close();
-            encoded
-        };
-        encode().map_err(|error| self.video.failed(&message(&error)))?;
-        self.count += 1;
+        let planes = Uint8Array::from(planes.as_slice());
+        for _ in 0..times {
+            self.settled(|pipe| pipe.encoder.encode_queue_size() < MOST_WAITING).await?;
+            self.encode(&planes).map_err(|error| self.video.failed(&message(&error)))?;
+            self.pictures_put += 1;
+        }
         Ok(())
     }
 
+    fn encode(&self, planes: &Uint8Array) -> Result<(), JsValue> {
+        let names = ["primaries", "transfer", "matrix"].map(|key| (key, "bt709".into()));
+        let colors = object(names);
+        Reflect::set(&colors, &"fullRange".into(), &false.into())?;
+        let rate_hz = self.video.rate_hz;
+        let init = object([
+            ("format", "I420".into()),
+            ("codedWidth", self.size[0].into()),
+            ("codedHeight", self.size[1].into()),
+            ("timestamp", (self.pictures_put as f64 * US / rate_hz).round().into()),
+            ("duration", (US / rate_hz).round().into()),
+            ("colorSpace", colors.into()),
+        ]);
+        let frame = VideoFrame::new(planes, &init)?;
+        let options = object([("keyFrame", self.pictures_put.is_multiple_of(KEY_INTERVAL).into())]);
+        let encoded = self.encoder.encode(&frame, &options);
+        frame.close();
+        encoded
+    }
+
     /// Waits until the encoder `is_ready`.
-    async fn settled(&self, is_ready: impl Fn(&VideoEncoder) -> bool) -> Result<(), Error> {
-        let look = || match &*self.given.failure.borrow() {
-            Some(why) => Some(Err(self.video.failed(why))),
-            None => is_ready(&self.encoder).then_some(Ok(())),
+    async fn settled(&self, is_ready: impl Fn(&Self) -> bool) -> Result<(), Error> {
+        let look = || match &*self.output.end.borrow() {
+            Some(Err(why)) => Some(Err(self.video.failed(why))),
+            _ => is_ready(self).then_some(Ok(())),
         };
-        // Counted, because a tab that sleeps has all the time in the world.
+        // Counted in polls: a sleeping tab must not time out.
         let mut silent = Duration::ZERO;
         while silent < PATIENCE {
-            if let Some(settled) = self.given.changed.until_within(POLL, look).await {
-                return settled;
-            }
             if self.progress.is_some_and(|progress| progress.cancelled()) {
                 return Err(Error::new("saving was cancelled"));
+            }
+            if let Some(settled) = self.output.changed.until_within(POLL, look).await {
+                return settled;
             }
             silent += POLL;
         }
@@ -191,16 +216,22 @@ impl<'a> Pipe<'a> {
 
     /// The file of all pictures.
     async fn finish(self) -> Result<Vec<u8>, Error> {
-        let failed = |error: JsValue| self.video.failed(&message(&error));
-        JsFuture::from(self.encoder.flush().map_err(failed)?).await.map_err(failed)?;
-        self.settled(|_| self.given.pictures.borrow().len() == self.count).await?;
-        let side = |side: u32| u16::try_from(side).map_err(|error| self.video.failed(&error));
-        let stream = Stream {
-            size: [side(self.size.0)?, side(self.size.1)?],
-            rate: ratio(self.video.rate_hz),
-            configuration: self.given.configuration.take(),
-            pictures: self.given.pictures.take(),
-        };
+        let (flushed, output) = (self.encoder.flush(), Rc::clone(&self.output));
+        spawn_local(async move {
+            let flushed = match flushed {
+                Ok(flushed) => JsFuture::from(flushed).await.map(drop),
+                Err(error) => Err(error),
+            };
+            output.end(flushed.map_err(|error| message(&error)));
+        });
+        self.settled(|pipe| pipe.output.end.borrow().is_some()).await?;
+        let (pictures, configuration) = (self.output.pictures.take(), self.output.configuration.take());
+        if pictures.len() != self.pictures_put || configuration.is_empty() {
+            let [encoded, put] = [pictures.len(), self.pictures_put];
+            let why = format!("the browser encoded {encoded} of {put} pictures; {} instead", self.video.instead);
+            return Err(self.video.failed(&why));
+        }
+        let stream = Stream { size: self.size, rate: self.video.rate(), configuration, pictures };
         stream.into_file().map_err(|why| self.video.failed(&why))
     }
 }
@@ -242,13 +273,10 @@ impl Video {
     }
 
     /// The best configuration that the browser has an encoder for.
-    async fn configuration(&self, [width, height]: [u32; 2]) -> Option<Object> {
-        if !Reflect::has(&js_sys::global(), &"VideoEncoder".into()).unwrap_or(false) {
-            return None;
-        }
-        let bits = BITS_PER_PIXEL * ((16.0 - f64::from(self.crf)) / 6.0).exp2();
-        let bits_per_second = (f64::from(width * height) * self.rate_hz * bits).round();
-        for codec in codecs([width, height], self.rate_hz) {
+    async fn configuration(&self, [width, height]: [u16; 2]) -> Option<Object> {
+        let bits_per_pixel = BITS_PER_PIXEL * ((16.0 - f64::from(self.crf)) / 6.0).exp2();
+        let bits_per_second = (f64::from(width) * f64::from(height) * self.rate_hz * bits_per_pixel).round();
+        for codec in codecs([width, height], self.rate_hz, bits_per_second) {
             let config = object([
                 ("codec", codec.into()),
                 ("width", width.into()),
@@ -256,11 +284,9 @@ impl Video {
                 ("framerate", self.rate_hz.into()),
                 ("bitrate", bits_per_second.into()),
                 ("latencyMode", "quality".into()),
+                ("avc", object([("format", "avc".into())]).into()),
             ]);
-            drop(Reflect::set(&config, &"avc".into(), &object([("format", "avc".into())])));
-            let Ok(answer) = VideoEncoder::is_config_supported(&config) else { continue };
-            let answer = JsFuture::from(answer).await;
-            if answer.and_then(|answer| Reflect::get(&answer, &"supported".into())).is_ok_and(|is| is.is_truthy()) {
+            if supports("VideoEncoder", &config).await {
                 return Some(config);
             }
         }
@@ -269,10 +295,10 @@ impl Video {
 }
 
 /// The pixels in RGBA, with black beyond the right and lower edge where `to` is larger.
-fn padded(rgb: &[u8], [width, height]: [usize; 2], to: (u32, u32)) -> Vec<u8> {
-    let row = 4 * to.0 as usize;
-    let mut rgba = [0, 0, 0, u8::MAX].repeat(to.0 as usize * to.1 as usize);
-    for (to, from) in rgba.chunks_exact_mut(row).zip(rgb.chunks_exact(3 * width)).take(height) {
+fn padded(rgb: &[u8], [width, height]: [usize; 2], to: [u32; 2]) -> Vec<u8> {
+    let [row, rows] = to.map(|side| side as usize);
+    let mut rgba = [0, 0, 0, u8::MAX].repeat(row * rows);
+    for (to, from) in rgba.chunks_exact_mut(4 * row).zip(rgb.chunks_exact(3 * width)).take(height) {
         for (to, from) in to.chunks_exact_mut(4).zip(from.chunks_exact(3)) {
             to[..3].copy_from_slice(from);
         }

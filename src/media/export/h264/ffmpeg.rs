@@ -9,8 +9,8 @@ use std::time::Duration;
 
 use motionscope_core::base::Error;
 
+use super::Video;
 use super::watched::Watched;
-use super::{Video, ratio};
 use crate::files::{self, temporary};
 use crate::media::Progress;
 use crate::media::helper::{program, read_messages};
@@ -29,14 +29,17 @@ pub(in crate::media::export) struct Pipe<'a> {
 }
 
 impl Pipe<'_> {
-    /// Appends a picture: rows of RGB.
+    /// Appends a picture `times` times: rows of RGB.
     ///
     /// # Errors
     /// If ffmpeg has ended.
     #[expect(clippy::unused_async, reason = "a page waits for its encoder")]
-    pub async fn put(&mut self, rgb: &[u8]) -> Result<(), Error> {
-        let _writing = self.watched.expect_progress();
-        self.input.write_all(rgb).map_err(|error| self.video.failed(&error))
+    pub async fn put(&mut self, rgb: &[u8], times: u32) -> Result<(), Error> {
+        for _ in 0..times {
+            let _writing = self.watched.expect_progress();
+            self.input.write_all(rgb).map_err(|error| self.video.failed(&error))?;
+        }
+        Ok(())
     }
 }
 
@@ -67,7 +70,7 @@ impl Video {
         pour: impl AsyncFnOnce(&mut Pipe<'_>) -> Result<(), Error>,
     ) -> Result<(), Error> {
         // The table of an MP4 file is written last and moved to its front: that needs a file, not a pipe.
-        let ([width, height], [frames, seconds]) = (self.size, ratio(self.rate_hz));
+        let ([width, height], [frames, seconds]) = (self.size, self.rate());
         let mut child = program("ffmpeg")
             .args(["-hide_banner", "-loglevel", "error", "-nostdin", "-f", "rawvideo", "-pix_fmt", "rgb24"])
             .args([

@@ -26,8 +26,8 @@ use crate::media::Progress;
 use crate::media::numbers::whole;
 use crate::work;
 
-/// What such a video is good for, and what encodes it.
-pub const DOC: &str = if IN_PAGE {
+/// The description of the format in lists.
+pub const MP4_DESCRIPTION: &str = if IN_PAGE {
     "MP4, compressed video with loss; encoded by this browser"
 } else {
     "MP4, compressed video with loss; encoded by the ffmpeg of this computer"
@@ -38,9 +38,9 @@ const USUAL_HZ: f64 = 25.0;
 
 /// A video that is to be encoded.
 pub(super) struct Video {
-    /// What it is called in errors: `animation`.
+    /// The name in errors: `animation`.
     pub what: &'static str,
-    /// What can be done where nothing encodes it: `save as .gif`.
+    /// The alternative if nothing encodes it: `save as .gif`.
     pub instead: &'static str,
     /// Width and height in px.
     pub size: [usize; 2],
@@ -55,9 +55,15 @@ impl Video {
     fn failed(&self, why: &dyn std::fmt::Display) -> Error {
         Error::new(format!("the MP4 {} could not be made: {why}", self.what))
     }
+
+    /// The frame rate as a fraction: frames, and seconds.
+    fn rate(&self) -> [u32; 2] {
+        ratio(self.rate_hz)
+    }
 }
 
-/// A rate in frames per second as a fraction: whole rates, those of NTSC, whose decimals are rounded (29.97 is 30000/1001), or thousandths.
+/// A rate in frames per second as a fraction of frames and seconds: a whole rate, one of NTSC, whose decimals are rounded (29.97 is
+/// 30000/1001), or thousandths.
 fn ratio(rate_hz: f64) -> [u32; 2] {
     // 23.976, 29.97 and 59.94 are a millionth off.
     let is = |wanted: f64| (rate_hz / wanted - 1.0).abs() < 2e-6;
@@ -67,7 +73,7 @@ fn ratio(rate_hz: f64) -> [u32; 2] {
         () if is(ntsc / 1.001) => (1000.0 * ntsc, 1001),
         () => ((1000.0 * rate_hz).round(), 1000),
     };
-    [whole(frames).unwrap_or(u32::MAX), seconds]
+    [whole(frames).unwrap_or(u32::MAX).max(1), seconds]
 }
 
 /// Writes the frames of `clip` as H.264 video into the MP4 file `path`. Gray levels change a little, and odd sides get a black row or
@@ -90,7 +96,7 @@ pub async fn video(clip: &Clip, path: &Path, progress: Option<&dyn Progress>) ->
                 return Err(Error::new(format!("saving {name} was cancelled after {t} of {frames} frames")));
             }
             progress.into_iter().for_each(|progress| progress.report(t as f32 / frames as f32));
-            pipe.put(&rgb(&*clip.frame(t)?)).await?;
+            pipe.put(&rgb(&*clip.frame(t)?), 1).await?;
             work::breathe().await;
         }
         Ok(())
@@ -209,9 +215,10 @@ mod tests {
     fn stream(path: &Path) -> (Vec<mux::Picture>, Vec<u8>) {
         let mut input = Input::open(path).unwrap();
         let track = track(Format::Mp4, &mut input, &Open::default()).unwrap();
-        let pictures = track.samples.iter().map(|sample| mux::Picture {
+        let pictures = track.samples.iter().enumerate().map(|(place, sample)| mux::Picture {
             bytes: input.read_up_to(sample.offset, u64::from(sample.size)).unwrap(),
             is_key: sample.key,
+            number: track.order.iter().position(|shown| *shown as usize == place).unwrap(),
         });
         (pictures.collect(), track.config)
     }

@@ -5,10 +5,12 @@ use std::num::NonZeroU32;
 use shiguredo_mp4::TrackKind;
 use shiguredo_mp4::boxes::{Avc1Box, AvccBox, SampleEntry, UnknownBox, VisualSampleEntryFields as Visual};
 use shiguredo_mp4::mux::{Mp4FileMuxer, Mp4FileMuxerOptions, Sample, estimate_maximum_moov_box_size};
-use shiguredo_mp4::{BoxSize, BoxType, Decode as _};
+use shiguredo_mp4::{BoxSize, BoxType, Decode as _, Uint};
 
 /// Colours as high definition has them (BT.709) in the narrow range, as the box `colr` of ISO/IEC 14496-12 names them.
 const COLORS: [u8; 11] = *b"nclx\0\x01\0\x01\0\x01\0";
+/// The first profile whose configuration names the format of its samples.
+const HIGH: u8 = 100;
 /// Bytes of a box before its content.
 const HEADER: usize = 8;
 
@@ -19,13 +21,15 @@ pub struct Picture {
     pub bytes: Vec<u8>,
     /// Whether it can be decoded without those before it.
     pub is_key: bool,
+    /// Its place in the order in which pictures are shown, from 0.
+    pub number: usize,
 }
 
-/// Encoded pictures in the order in which they are shown, which is that in which they are decoded.
+/// Encoded pictures in the order in which they are decoded.
 pub struct Stream {
     /// Width and height in px.
     pub size: [u16; 2],
-    /// Frames in how many seconds.
+    /// The frame rate as a fraction: frames, and seconds.
     pub rate: [u32; 2],
     /// The record of the decoder's configuration (ISO/IEC 14496-15, 5.3.3.1).
     pub configuration: Vec<u8>,
@@ -45,18 +49,20 @@ impl Stream {
         let mut muxer = Mp4FileMuxer::with_options(options).map_err(|error| why(&error))?;
         let mut file = muxer.initial_boxes_bytes().to_vec();
         let (mut entry, [frames, seconds]) = (Some(self.entry()?), self.rate);
-        for Picture { bytes, is_key } in &self.pictures {
+        let is_reordered = self.pictures.iter().enumerate().any(|(place, picture)| place != picture.number);
+        for (place, Picture { bytes, is_key, number }) in self.pictures.into_iter().enumerate() {
+            let later = number as i64 - place as i64;
             let sample = Sample {
                 track_kind: TrackKind::Video,
                 sample_entry: entry.take(),
-                keyframe: *is_key,
+                keyframe: is_key,
                 timescale: NonZeroU32::new(frames).unwrap_or(NonZeroU32::MIN),
                 duration: seconds,
-                composition_time_offset: None,
+                composition_time_offset: is_reordered.then_some(later * i64::from(seconds)),
                 data_offset: file.len() as u64,
                 data_size: bytes.len(),
             };
-            file.extend_from_slice(bytes);
+            file.extend_from_slice(&bytes);
             muxer.append_sample(&sample).map_err(|error| why(&error))?;
         }
         for (offset, bytes) in muxer.finalize().map_err(|error| why(&error))?.offset_and_bytes_pairs() {
@@ -71,7 +77,13 @@ impl Stream {
     fn entry(&self) -> Result<SampleEntry, String> {
         let size = u32::try_from(HEADER + self.configuration.len()).map_err(|error| error.to_string())?;
         let record = [&size.to_be_bytes(), b"avcC".as_slice(), &self.configuration].concat();
-        let (avcc_box, _) = AvccBox::decode(&record).map_err(|error| error.to_string())?;
+        let (mut avcc_box, _) = AvccBox::decode(&record).map_err(|error| error.to_string())?;
+        if avcc_box.avc_profile_indication >= HIGH {
+            // Some encoders leave it out: 4:2:0 in 8 bit.
+            avcc_box.chroma_format.get_or_insert(Uint::new(1));
+            avcc_box.bit_depth_luma_minus8.get_or_insert(Uint::new(0));
+            avcc_box.bit_depth_chroma_minus8.get_or_insert(Uint::new(0));
+        }
         let [width, height] = self.size;
         let visual = Visual {
             data_reference_index: Visual::DEFAULT_DATA_REFERENCE_INDEX,

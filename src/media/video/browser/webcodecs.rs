@@ -11,7 +11,7 @@ use web_time::Duration;
 
 use super::config::Config;
 use super::picture::{KnownColors, matrix};
-use crate::media::javascript::{message, object};
+use crate::media::javascript::{message, object, supports};
 use crate::work::Signal;
 
 /// Samples that wait in the decoder at most.
@@ -24,8 +24,6 @@ extern "C" {
     type VideoDecoder;
     #[wasm_bindgen(constructor, catch)]
     fn new(callbacks: &Object) -> Result<VideoDecoder, JsValue>;
-    #[wasm_bindgen(static_method_of = VideoDecoder, js_name = isConfigSupported, catch)]
-    fn is_config_supported(config: &Object) -> Result<Promise, JsValue>;
     #[wasm_bindgen(method, catch)]
     fn configure(this: &VideoDecoder, config: &Object) -> Result<(), JsValue>;
     #[wasm_bindgen(method, catch)]
@@ -72,13 +70,7 @@ fn described(config: &Config) -> Object {
 
 /// Whether the browser has a decoder for a track.
 pub(super) async fn is_supported(config: &Config) -> bool {
-    let has_decoders = Reflect::has(&js_sys::global(), &"VideoDecoder".into()).unwrap_or(false);
-    let Ok(answer) = has_decoders.then(|| VideoDecoder::is_config_supported(&described(config))).transpose() else {
-        return false;
-    };
-    let Some(answer) = answer else { return false };
-    let answer = JsFuture::from(answer).await;
-    answer.and_then(|answer| Reflect::get(&answer, &"supported".into())).is_ok_and(|supported| supported.is_truthy())
+    supports("VideoDecoder", &described(config)).await
 }
 
 /// News of a decoder.
