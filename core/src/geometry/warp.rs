@@ -47,6 +47,7 @@ fn keys(f: f32) -> [f32; 4] {
 
 /// The four pixels along an axis of `extent` px from which the place `c` is interpolated, and their weights; beyond the border the
 /// edge is repeated.
+#[inline]
 pub(super) fn cubic_taps(c: f32, extent: usize) -> ([usize; 4], [f32; 4]) {
     let c = c.clamp(0.0, (extent - 1) as f32);
     let (first, last) = (c as usize, extent - 1);
@@ -67,10 +68,11 @@ pub(super) fn weighted(weights: [f32; 4], [a, b, c, d]: [f32; 4]) -> f32 {
     weights[0] * a + weights[1] * b + weights[2] * c + weights[3] * d
 }
 
+#[inline]
 fn bicubic(image: &Grid<f32>, x: f32, y: f32) -> f32 {
     let (width, height) = image.size();
     let ((columns, across), (rows, down)) = (cubic_taps(x, width), cubic_taps(y, height));
-    let [a, b, c, d] = rows.map(|y| image.row(y));
+    let [a, b, c, d] = [image.row(rows[0]), image.row(rows[1]), image.row(rows[2]), image.row(rows[3])];
     let mut sums = [0.0; 4];
     for (sum, x) in sums.iter_mut().zip(columns) {
         *sum = weighted(down, [a[x], b[x], c[x], d[x]]);
