@@ -74,15 +74,22 @@ fn advance(run: &mut (impl AnyRun + ?Sized), begun: Instant) -> Result<Progress,
 #[cfg(test)]
 mod tests {
     use motionscope_core::course::estimators;
+    use motionscope_core::data::Clip;
+    use motionscope_core::synth;
 
     use super::*;
-    use crate::experiment::source::Source;
-    use crate::media::Open;
+
+    fn small_pillar() -> Clip {
+        let scene = synth::scene("pillar").unwrap();
+        let mut difficulty = scene.difficulty();
+        (difficulty.width, difficulty.height) = (128, 96);
+        scene.clip(&difficulty).unwrap()
+    }
 
     #[test]
     fn a_run_in_slices_has_the_result_and_the_counts_of_one_on_threads() {
         let mut ran = 0;
-        let clip = Source::synth("pillar,width=128,height=96").unwrap().open(&Open::default()).unwrap().clip;
+        let clip = small_pillar();
         for estimator in estimators() {
             let id = estimator.info().id;
             // Few cannot run on any clip: one wants two views, others a region or a model.

@@ -1,4 +1,4 @@
-//! The one door behind which threads are.
+//! Work that is spread over threads, with the same result for any number of them.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};

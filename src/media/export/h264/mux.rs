@@ -44,6 +44,9 @@ impl Stream {
     /// If there is no picture, or the configuration is damaged.
     pub fn into_file(self) -> Result<Vec<u8>, String> {
         let why = |error: &dyn std::fmt::Display| error.to_string();
+        if self.pictures.is_empty() {
+            return Err("there is no picture".into());
+        }
         let tables = estimate_maximum_moov_box_size(&[self.pictures.len()]);
         let options = Mp4FileMuxerOptions { reserved_moov_box_size: tables, ..Default::default() };
         let mut muxer = Mp4FileMuxer::with_options(options).map_err(|error| why(&error))?;
