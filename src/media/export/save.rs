@@ -23,7 +23,7 @@ const DISK_IS_FULL: &str = if IN_PAGE {
 /// # Errors
 /// If it cannot be read, and as [`save`].
 pub async fn copy(from: &Path, to: &Path) -> Result<(), Error> {
-    let unread = |error: io::Error| Error::new(format!("{} cannot be read ({error})", from.display()));
+    let unread = |error: io::Error| Error::new(format!("{} cannot be read ({error})", files::label(from)));
     let mut source = files::File::open(from).map_err(unread)?;
     let write = async |file: &Path| files::write_from(file, &mut source).map_err(|error| cannot_write(to, &error));
     save_file(to, write).await

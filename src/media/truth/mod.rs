@@ -194,5 +194,5 @@ fn keep<T>(
 
 /// Returns the error about the ground truth at `path`.
 fn file_error(path: &Path, why: impl Display) -> Error {
-    Error::new(format!("{}: {why}", path.display()))
+    Error::new(format!("{}: {why}", files::label(path)))
 }

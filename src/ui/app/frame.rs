@@ -40,7 +40,8 @@ impl App {
         }
         let header = Panel::top("menus").frame(bar(12, top)).show(ui, |ui| self.top_bar(ui, actions));
         regions.push((Region::Header, header.response.rect));
-        if !is_lecture {
+        // An export can be cancelled there.
+        if !is_lecture || self.exports.writing.is_some() {
             let status = Panel::bottom("status").frame(bar(16, 2)).show(ui, |ui| self.status(ui, actions));
             regions.push((Region::Status, status.response.rect));
         }
@@ -120,7 +121,8 @@ impl App {
                     done => drop(ui.add(egui::ProgressBar::new(done).desired_width(120.0).desired_height(6.0))),
                 }
                 ui.label(RichText::new("Saving…").small());
-                if ui.add(egui::Button::new(RichText::new("Cancel").small()).small()).clicked() {
+                let cancel = ui.add(egui::Button::new(RichText::new("Cancel").small()).small());
+                if cancel.on_hover_text("Cancel the export.\nEscape").clicked() {
                     actions.ask(Action::CancelWriting);
                 }
             }

@@ -44,6 +44,8 @@ enum Escape {
     StartPage,
     /// Cancels a long move or check.
     Stop,
+    /// Cancels an export.
+    Writing,
     /// No longer places anything on the picture.
     Placing,
     /// Lays the pen down.
@@ -67,9 +69,10 @@ enum Escape {
 }
 
 impl Escape {
-    const ORDER: [Escape; 12] = [
+    const ORDER: [Escape; 13] = [
         Escape::StartPage,
         Escape::Stop,
+        Escape::Writing,
         Escape::Placing,
         Escape::Pen,
         Escape::Pointer,
@@ -91,6 +94,7 @@ impl Escape {
         match self {
             Self::StartPage => now.at_start_page,
             Self::Stop => Command::Stop.enabled(now),
+            Self::Writing => now.is_writing,
             Self::Placing => now.is_placing,
             Self::Pen => now.is_drawing,
             Self::Loupe => now.has_loupe,
@@ -108,6 +112,7 @@ impl Escape {
         match self {
             Self::StartPage => Action::Command(Command::StartPage),
             Self::Stop => Action::Command(Command::Stop),
+            Self::Writing => Action::CancelWriting,
             Self::Placing => Action::Place(None),
             Self::Pen => Action::Command(Command::Pen),
             Self::Loupe => Action::Command(Command::Loupe),
@@ -327,16 +332,17 @@ mod tests {
             let mut now = Situation {
                 at_start_page: is(0),
                 playing: is(1),
-                is_placing: is(2),
-                is_drawing: is(3),
-                is_pointing: is(4),
-                has_loupe: is(5),
-                has_open_parameters: is(6),
-                has_enlarged: is(7),
-                holds_pixel: is(8),
-                is_presenting: is(9),
-                lecture: is(10),
-                in_lockstep: is(11),
+                is_writing: is(2),
+                is_placing: is(3),
+                is_drawing: is(4),
+                is_pointing: is(5),
+                has_loupe: is(6),
+                has_open_parameters: is(7),
+                has_enlarged: is(8),
+                holds_pixel: is(9),
+                is_presenting: is(10),
+                lecture: is(11),
+                in_lockstep: is(12),
                 ..Situation::default()
             };
             let expected: Vec<Escape> = Escape::ORDER
@@ -351,6 +357,7 @@ mod tests {
                 match meaning {
                     Escape::StartPage => now.at_start_page = false,
                     Escape::Stop => now.playing = false,
+                    Escape::Writing => now.is_writing = false,
                     Escape::Placing => now.is_placing = false,
                     Escape::Pen => now.is_drawing = false,
                     Escape::Loupe => now.has_loupe = false,

@@ -7,7 +7,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use eframe::egui::ViewportCommand;
 use motionscope_core::base::Error;
 use motionscope_core::course::examples::{self, Example};
-use motionscope_core::data::Clip;
+use motionscope_core::data::{Clip, ClipInfo};
 use motionscope_core::run::{Cursor, Info};
 use motionscope_core::synth::Sample;
 use web_time::Instant;
@@ -221,6 +221,9 @@ impl App {
         }
         let is_another =
             self.run.document.source().is_some_and(|open| *open != source) && !self.is_saved_recording(path);
+        if self.run.document.source() != Some(&source) {
+            self.tell_warnings(clip.info());
+        }
         let left = self.run.document.open(clip, source, given);
         self.run.document.read_from(inputs);
         self.keep_needed();
@@ -245,6 +248,18 @@ impl App {
             session.position.cursor = Some(open.landing());
         }
         self.take(session);
+    }
+
+    /// Tells the first warning about a clip; the card of the clip has them all.
+    fn tell_warnings(&mut self, info: &ClipInfo) {
+        let name = &info.name;
+        match info.warnings.as_slice() {
+            [] => {}
+            [only] => self.toasts.tell(format!("{name}: {only}.")),
+            [first, rest @ ..] => {
+                self.toasts.tell(format!("{name}: {first}. Further warnings: {}, beside the parameters.", rest.len()));
+            }
+        }
     }
 
     fn not_opened(&mut self, path: &Path, error: Error) {

@@ -46,6 +46,7 @@ impl App {
             in_lockstep: !self.run.document.side_by_side().is_empty(),
             has_stage: !motionscope_core::run::stage::stages(self.run.document.estimator()).is_empty(),
             in_stage: self.run.document.parents().len() > 0,
+            is_writing: self.exports.writing.is_some(),
             is_placing: self.panes.states.stage.placing.is_some(),
             holds_pixel: shown.and_then(|shown| shown.pointed).is_some_and(|pointed| pointed.is_held),
             available: shown.map(|shown| shown.available).unwrap_or_default(),

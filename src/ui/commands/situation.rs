@@ -50,6 +50,8 @@ pub struct Situation {
     pub in_stage: bool,
     /// A pixel was clicked and stays explained.
     pub holds_pixel: bool,
+    /// A file is being exported.
+    pub is_writing: bool,
     /// A parameter is being placed on the picture.
     pub is_placing: bool,
     /// The mouse draws.

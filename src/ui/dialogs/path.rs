@@ -138,11 +138,13 @@ impl PathField {
             .desired_width(width);
         // Tab is the field's own while there is something to complete.
         let response = ui.add(field.lock_focus(completes)).accessible_name(name);
+        // A click elsewhere takes it until the end of the frame.
+        let has_kept_focus = had_focus && response.has_focus();
         if !self.is_focused {
-            // After the field: it cannot have focus in the dialog's first pass, and a click elsewhere takes focus from it.
+            // After the field: in the dialog's first pass it cannot have focus.
             response.request_focus();
         }
-        self.is_focused |= had_focus;
+        self.is_focused |= has_kept_focus;
         if self.text != self.completion.offered {
             self.completion.listed.clear();
         }

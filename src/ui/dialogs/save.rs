@@ -343,6 +343,7 @@ impl State {
         let is_one = self.choice().animation.is_some();
         Some(counting.look(|outcome| match outcome {
             None => "Counting the pictures…".to_owned(),
+            Some(Ok(1)) if is_one => "1 step.".to_owned(),
             Some(Ok(count)) if is_one => format!("{} steps.", grouped(*count)),
             Some(Ok(1)) => "Saves 1 file.".to_owned(),
             Some(Ok(count)) => format!("Saves {} files.", grouped(*count)),
@@ -448,7 +449,7 @@ fn line(ui: &mut Ui, label: &str, add: impl FnOnce(&mut Ui)) {
                 ui.label(RichText::new(label).weak());
             },
         );
-        add(ui);
+        ui.horizontal_wrapped(add);
     });
 }
 
@@ -606,17 +607,15 @@ fn caption(ui: &mut Ui, state: &mut State, is_sheet: bool) {
 fn panes(ui: &mut Ui, state: &mut State) {
     let is_picture = state.kind == Kind::Picture;
     line(ui, "Panes", |ui| {
-        ui.horizontal_wrapped(|ui| {
-            ui.spacing_mut().item_spacing = vec2(4.0, 2.0);
-            for (pane, is_chosen) in &mut state.panes {
-                let is_there = !is_picture || !state.absent.contains(&pane.id);
-                let label = ui.add_enabled(is_there, Button::selectable(*is_chosen, pane.title));
-                let tip = format!("Shows {}, {}.", pane.doc, pane.when);
-                if label.on_hover_text(&tip).on_disabled_hover_text(tip).clicked() {
-                    *is_chosen = !*is_chosen;
-                }
+        ui.spacing_mut().item_spacing = vec2(4.0, 2.0);
+        for (pane, is_chosen) in &mut state.panes {
+            let is_there = !is_picture || !state.absent.contains(&pane.id);
+            let label = ui.add_enabled(is_there, Button::selectable(*is_chosen, pane.title));
+            let tip = format!("Shows {}, {}.", pane.doc, pane.when);
+            if label.on_hover_text(&tip).on_disabled_hover_text(tip).clicked() {
+                *is_chosen = !*is_chosen;
             }
-        });
+        }
     });
 }
 
@@ -626,7 +625,7 @@ fn range(ui: &mut Ui, state: &mut State, granularities: Granularities) {
             let response = ui.add(TextEdit::singleline(text).desired_width(90.0)).accessible_name(name);
             response.on_hover_text(format!("{name}, as UNIT.EVENT, the step of the status line: both count from 1, and 0 is the start. A unit alone is its end."));
         }
-        ui.label(RichText::new("as UNIT.EVENT").small().weak());
+        ui.add(egui::Label::new(RichText::new("as UNIT.EVENT").small().weak()).extend());
     });
     line(ui, "Every", |ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
