@@ -114,7 +114,7 @@ fn a_link_opens_a_clip_with_an_estimator_and_is_heard() {
 
 #[test]
 fn a_key_fills_the_screen_and_leaves_it() {
-    let (server, mut browser) = (serve("/"), Browser::start());
+    let (server, mut browser) = (serve("/"), Browser::with_pixels_per_point(1.0));
     let mut tab = open(&mut browser, &server, "#synth:pillar&estimator=diamond");
     tab.wait("diamond search", |shown| shown.text("estimator") == "diamond" && !shown.is_busy());
     for fills in [true, false] {
