@@ -147,7 +147,7 @@ fn street() -> Clip {
 /// Applies `law` to every estimator, on all cores. Laws use thread pools of their own, so these are plain threads.
 fn each(law: impl Fn(Box<dyn AnyEstimator>) + Sync) {
     let rest = Mutex::new(estimators().into_iter());
-    let next = || rest.lock().unwrap().next();
+    let next = || rest.lock().expect("it is not held by a law").next();
     std::thread::scope(|scope| {
         for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
             scope.spawn(|| {
