@@ -1761,7 +1761,7 @@ fn a_link_is_printed_and_runs_again() {
     assert!(wrong.status.success() && told.contains("the nearest is search-range"), "{told}");
     let run: Value = serde_json::from_slice(&wrong.stdout).expect("JSON");
     assert_eq!(run["estimator"]["id"].as_str().or(run["estimator"].as_str()), Some("diamond"), "{run}");
-    // The step of a link is told as that of --step.
+    // A link reports its step as --step does.
     let at = |arguments: &str| {
         let printed = stdout(folder.path(), &format!("run {arguments} --json"));
         serde_json::from_str::<Value>(&printed).expect("JSON")["step"].clone()

@@ -12,7 +12,7 @@ use motionscope_core::params::Params as _;
 use motionscope_core::products::metrics;
 use motionscope_core::run::{AnyEstimator, Cursor, Direction, Info, Move, Walk};
 use motionscope_core::scene::pseudocode::Line;
-use motionscope_core::scene::{self, Focus};
+use motionscope_core::scene::{self, Focus, Step};
 use motionscope_core::synth;
 
 /// A truth that knows objects alone, by frame.
@@ -29,6 +29,22 @@ impl Truth for Objects {
 
     fn kinds(&self) -> Vec<&'static str> {
         vec!["objects"]
+    }
+}
+
+/// The steps of a run whose sentences have a phrase, in their order.
+pub fn steps(estimator: &dyn AnyEstimator, clip: &Clip, phrase: &str) -> Vec<Step> {
+    let mut walk = estimator.walk(clip, 0).expect("a walk");
+    let mut found = Vec::new();
+    loop {
+        let step = walk.step(None);
+        if step.sentence.plain().contains(phrase) {
+            found.push(step);
+        }
+        if walk.at_end() {
+            return found;
+        }
+        walk.jump(Move::Granularity(2, Direction::Forward));
     }
 }
 

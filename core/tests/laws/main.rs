@@ -1,4 +1,4 @@
-//! What holds for every estimator of the registry, and for the core as a whole.
+//! Laws for every estimator of the registry, and for the core as a whole.
 
 #[path = "../common/mod.rs"]
 mod common;

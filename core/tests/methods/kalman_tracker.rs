@@ -3,9 +3,9 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::common::{self, set};
-use motionscope_core::base::{Error, Stop, Threads};
-use motionscope_core::data::{Clip, Detection, Flow, ObjectBox, Truth};
+use crate::common::{self, Objects, set};
+use motionscope_core::base::{Stop, Threads};
+use motionscope_core::data::{Clip, Detection, ObjectBox};
 use motionscope_core::geometry::Bounds;
 use motionscope_core::products::objects::score::{scores, scores_on};
 use motionscope_core::products::{ObjectField, TrackStatus};
@@ -326,23 +326,6 @@ fn a_pair_is_shown_in_a_table_with_names() {
     assert_eq!(about, 2, "two frames have pairs");
 }
 
-/// True objects, found where they are.
-struct Crowd(Vec<Vec<ObjectBox>>);
-
-impl Truth for Crowd {
-    fn flow(&self, _t: usize) -> Result<Option<Arc<Flow>>, Error> {
-        Ok(None)
-    }
-
-    fn objects(&self, t: usize) -> Result<Option<Vec<ObjectBox>>, Error> {
-        Ok(self.0.get(t).cloned())
-    }
-
-    fn kinds(&self) -> Vec<&'static str> {
-        vec!["objects"]
-    }
-}
-
 /// A clip of so many objects, each where `place` has it in a frame.
 fn crowd(count: usize, frames: usize, place: impl Fn(usize, usize) -> [f32; 2]) -> Clip {
     let size = |i: usize| [10.0 + (i % 13) as f32, 20.0 + (i % 7) as f32];
@@ -356,7 +339,7 @@ fn crowd(count: usize, frames: usize, place: impl Fn(usize, usize) -> [f32; 2]) 
     let truths = (0..frames).map(|t| frame(t).map(truth).collect()).collect();
     let clip = Clip::blank("a crowd", (1920, 1080), frames);
     clip.with_detections((0..frames).map(|t| frame(t).map(found).collect()).collect())
-        .with_truth(Arc::new(Crowd(truths)))
+        .with_truth(Arc::new(Objects(truths)))
 }
 
 /// A number of 0 to 1 that tells an object and a frame from all others.

@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use crate::common::{fact, set};
+use crate::common::{fact, set, steps};
 use motionscope_core::base::{Error, Threads};
 use motionscope_core::data::{Clip, Flow, Frame, ObjectBox, Pose, Truth};
 use motionscope_core::geometry::Grid;
 use motionscope_core::params::Params;
 use motionscope_core::products::RegionField;
-use motionscope_core::run::{AnyEstimator, Direction, Move};
+use motionscope_core::run::Move;
 use motionscope_core::scene::{Readout, Step};
 use motionscope_core::synth;
 
@@ -46,22 +46,6 @@ fn turning(sliders: &[(&str, &str)]) -> Clip {
     let clip = scene.clip(&difficulty).expect("a clip");
     let truth = Posed(Arc::clone(clip.truth().expect("a truth")));
     clip.with_truth(Arc::new(truth))
-}
-
-/// The steps of a run whose sentences have a phrase, in their order.
-fn steps(estimator: &dyn AnyEstimator, clip: &Clip, phrase: &str) -> Vec<Step> {
-    let mut walk = estimator.walk(clip, 0).expect("a walk");
-    let mut found = Vec::new();
-    loop {
-        let step = walk.step(None);
-        if step.sentence.plain().contains(phrase) {
-            found.push(step);
-        }
-        if walk.at_end() {
-            return found;
-        }
-        walk.jump(Move::Granularity(2, Direction::Forward));
-    }
 }
 
 /// A matrix that a step shows, if it does.

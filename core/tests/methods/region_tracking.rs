@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use crate::common::{self, Objects, set, tile};
+use crate::common::{self, Objects, set, steps, tile};
 use motionscope_core::base::Threads;
 use motionscope_core::data::{Clip, Frame, ObjectBox};
 use motionscope_core::geometry::{Bounds, Grid};
@@ -11,7 +11,6 @@ use motionscope_core::params::Params as _;
 use motionscope_core::products::region::{RegionError, RegionScores, success};
 use motionscope_core::products::{Region, RegionField};
 use motionscope_core::run::{AnyEstimator, Direction, Move};
-use motionscope_core::scene::Step;
 use motionscope_core::synth;
 
 const ALL: [&str; 4] = ["mean-shift", "camshift", "particle-filter", "correlation-filter"];
@@ -202,22 +201,6 @@ fn difference(found: &Grid<f32>, expected: &Grid<f64>) -> f64 {
     let most = expected.cells().iter().fold(0.0f64, |most, value| most.max(value.abs()));
     let pairs = found.cells().iter().zip(expected.cells());
     pairs.map(|(found, expected)| (f64::from(*found) - expected).abs()).fold(0.0, f64::max) / most
-}
-
-/// The steps of a run whose sentences have a phrase, in their order.
-fn steps(estimator: &dyn AnyEstimator, clip: &Clip, phrase: &str) -> Vec<Step> {
-    let mut walk = estimator.walk(clip, 0).expect("a walk");
-    let mut found = Vec::new();
-    loop {
-        let step = walk.step(None);
-        if step.sentence.plain().contains(phrase) {
-            found.push(step);
-        }
-        if walk.at_end() {
-            return found;
-        }
-        walk.jump(Move::Granularity(2, Direction::Forward));
-    }
 }
 
 /// A textured square at a place of a textured background.

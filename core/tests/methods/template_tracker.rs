@@ -1,12 +1,12 @@
 //! The template tracker, held to its definition in plain sums, to exact warps, and to what it says of the scenes that break it.
 
-use crate::common::{central, set, waves};
+use crate::common::{central, set, steps, waves};
 use motionscope_core::base::Threads;
 use motionscope_core::data::{Clip, Frame};
 use motionscope_core::geometry::{Bounds, Grid};
 use motionscope_core::params::Params;
 use motionscope_core::products::RegionField;
-use motionscope_core::run::{AnyEstimator, Direction, Move};
+use motionscope_core::run::{AnyEstimator, Move};
 use motionscope_core::scene::{Readout, Step};
 use motionscope_core::synth;
 
@@ -26,22 +26,6 @@ fn clip(frames: Vec<Frame>) -> Clip {
 fn run(estimator: &dyn AnyEstimator, clip: &Clip) -> RegionField {
     let output = estimator.run(clip, 0, &Threads::single()).expect("a run");
     output.get::<RegionField>().expect("a region").clone()
-}
-
-/// The steps of a run whose sentences have a phrase, in their order.
-fn steps(estimator: &dyn AnyEstimator, clip: &Clip, phrase: &str) -> Vec<Step> {
-    let mut walk = estimator.walk(clip, 0).expect("a walk");
-    let mut found = Vec::new();
-    loop {
-        let step = walk.step(None);
-        if step.sentence.plain().contains(phrase) {
-            found.push(step);
-        }
-        if walk.at_end() {
-            return found;
-        }
-        walk.jump(Move::Granularity(2, Direction::Forward));
-    }
 }
 
 /// The warp that a step shows.

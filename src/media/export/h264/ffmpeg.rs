@@ -96,7 +96,7 @@ impl Video {
         thread::spawn(move || {
             let mut text = String::new();
             errors.into_iter().for_each(|errors| read_messages(errors, |piece| text.push_str(piece)));
-            // Nobody waits for it any more where another process keeps the pipe open.
+            // The receiver is gone if another process keeps the pipe open.
             sender.send(text).unwrap_or_default();
         });
         let watched = Watched::new(child, PATIENCE);
